@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{Binary, Graph, Node, Unary, place},
 };
 
 /// c + Σ aₖyₖ. Slopes that are zero are left out.
@@ -35,10 +35,11 @@ impl Affine {
     pub fn add(&mut self, factor: f64, other: &Self) {
         self.constant = sum(self.constant, factor * other.constant);
         for (&k, &slope) in &other.slopes {
-            let slope = sum(self.slopes.get(&k).copied().unwrap_or(0.0), factor * slope);
-            self.slopes.insert(k, slope);
+            match sum(self.slopes.get(&k).copied().unwrap_or(0.0), factor * slope) {
+                0.0 => self.slopes.remove(&k),
+                slope => self.slopes.insert(k, slope),
+            };
         }
-        self.slopes.retain(|_, slope| *slope != 0.0);
     }
 
     /// The multiple of this one.
@@ -85,15 +86,19 @@ fn sum(a: f64, b: f64) -> f64 {
     if sum.abs() <= ROUNDING * a.abs().max(b.abs()) { 0.0 } else { sum }
 }
 
-/// For every expression its form in the first `count` inputs, if it is affine with constant
-/// numbers. An expression without these inputs that is not a number has none.
-pub fn forms(graph: &Graph, count: usize) -> Vec<Option<Affine>> {
-    let mut forms: Vec<Option<Affine>> = Vec::new();
-    for id in graph.ids() {
-        let of = |id: Id| forms[id.index()].as_ref();
+/// Forms with more inputs are not looked for.
+const MAX_INPUTS: usize = 1000;
+
+/// For each expression of a list that [`Graph::needed`] gave its form in the first `count` inputs,
+/// if it is affine with constant numbers. An expression without these inputs that is not a number
+/// has none.
+pub fn forms(graph: &Graph, needed: &[Id], count: usize) -> Vec<Option<Affine>> {
+    let mut forms: Vec<Option<Affine>> = Vec::with_capacity(needed.len());
+    for &id in needed {
+        let of = |id: Id| forms[place(needed, id)].as_ref();
         let number =
             |id: Id| of(id).filter(|form| form.slopes.is_empty()).map(|form| form.constant);
-        forms.push(match graph.node(id) {
+        let form = match graph.node(id) {
             Node::Constant(bits) => {
                 Some(Affine { constant: f64::from_bits(bits), ..Affine::default() })
             }
@@ -112,7 +117,8 @@ pub fn forms(graph: &Graph, count: usize) -> Vec<Option<Affine>> {
             }
             Node::Binary(Binary::Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
             _ => None,
-        });
+        };
+        forms.push(form.filter(|form| form.slopes.len() <= MAX_INPUTS));
     }
     forms
 }

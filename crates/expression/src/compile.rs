@@ -1,21 +1,21 @@
 //! From a graph to instructions: powers written out, operations joined, rows allocated by liveness.
 
-use std::ops::Range;
+use std::{collections::HashMap, ops::Range};
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node},
+    graph::{Binary, Graph, Node, place},
     instruction::{Instruction, MAX_ROWS, OUT, Operation, Place, SCRATCH},
-    join::joined,
+    join::{Joined, joined},
     uniform::{Numbers, ONE, uniform},
 };
 
 /// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k
-/// is at `inputs[k]`, unless it is one of the `uniform_inputs`, which are the same at all points.
+/// is at `input(k)`, unless it is one of the `uniform_inputs`, which are the same at all points.
 pub fn compile(
     graph: &Graph,
     outputs: &[Id],
-    inputs: &[Option<Place>],
+    input: impl Fn(usize) -> Option<Place>,
     uniform_inputs: &Range<usize>,
 ) -> (Vec<Instruction>, Numbers, usize) {
     let (graph, outputs) = lowered(graph, outputs);
@@ -24,24 +24,32 @@ pub fn compile(
     let taken = steps.iter().flatten().flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
+    let order = by_results(&steps, &outputs);
     let mut last_use = vec![0; graph.size()];
-    for (index, step) in steps.iter().enumerate() {
-        step.iter().flat_map(|step| &step.operands).for_each(|x| last_use[x.index()] = index);
+    for (n, &id) in order.iter().enumerate() {
+        let operands = steps[id.index()].iter().flat_map(|step| &step.operands);
+        operands.for_each(|x| last_use[x.index()] = n);
     }
     // Where each value is.
     let mut homes = vec![Place::default(); graph.size()];
     let (mut code, mut free, mut rows) = (Vec::new(), Vec::new(), 0);
-    for (index, id) in graph.ids().enumerate() {
-        if let (Node::Input(k), false) = (graph.node(id), uniform[index]) {
-            let place = inputs.get(k as usize).copied().flatten();
-            homes[index] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
-        }
-        let Some(step) = &steps[index] else { continue };
+    // The first row of each result.
+    let results: HashMap<Id, usize> =
+        outputs.iter().enumerate().rev().map(|(row, &output)| (output, row)).collect();
+    for (n, &id) in order.iter().enumerate() {
+        let index = id.index();
+        let Some(step) = &steps[index] else {
+            if let Node::Input(k) = graph.node(id) {
+                let place = input(k as usize);
+                homes[index] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
+            }
+            continue;
+        };
         let mut from = [Place::default(); MAX_ROWS];
         for (k, operand) in step.operands.iter().enumerate() {
             from[k] = homes[operand.index()];
             // A row that is not used after this instruction may be written by it.
-            let is_last = last_use[operand.index()] == index;
+            let is_last = last_use[operand.index()] == n;
             if is_last && from[k].bank == SCRATCH && !from[..k].contains(&from[k]) {
                 free.push(from[k].row);
             }
@@ -52,8 +60,8 @@ pub fn compile(
                 rows - 1
             })
         };
-        homes[index] = match outputs.iter().position(|&output| output == id) {
-            Some(row) => Place { bank: OUT, row: row as u32 },
+        homes[index] = match results.get(&id) {
+            Some(&row) => Place { bank: OUT, row: row as u32 },
             None => Place { bank: SCRATCH, row: scratch_row() },
         };
         let place = |id: Id| places[id.index()];
@@ -72,19 +80,51 @@ pub fn compile(
     (code, numbers, rows as usize)
 }
 
+/// Order of the expressions by the results that need them, and of the operands of each step the
+/// longest chain first: few values wait for others, so that those of a long tape stay in the cache.
+fn by_results(steps: &[Option<Joined>], outputs: &[Id]) -> Vec<Id> {
+    let operands = |id: Id| steps[id.index()].iter().flat_map(|step| &step.operands).copied();
+    let mut lengths: Vec<u32> = Vec::with_capacity(steps.len());
+    for n in 0..steps.len() {
+        let longest = operands(Id::at(n)).map(|operand| lengths[operand.index()]).max();
+        lengths.push(longest.map_or(0, |longest| longest + 1));
+    }
+    let (mut order, mut seen) = (Vec::new(), vec![false; steps.len()]);
+    for &output in outputs {
+        // Expressions, and whether their operands are there.
+        let mut open = vec![(output, false)];
+        while let Some((id, is_ready)) = open.pop() {
+            if seen[id.index()] {
+                continue;
+            }
+            if is_ready {
+                seen[id.index()] = true;
+                order.push(id);
+                continue;
+            }
+            open.push((id, true));
+            let first = open.len();
+            open.extend(operands(id).map(|operand| (operand, false)));
+            open[first..].sort_by_key(|(operand, _)| lengths[operand.index()]);
+        }
+    }
+    order
+}
+
 /// The expressions in a new graph, with powers written out as products.
 fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
     let needed = graph.needed(outputs);
     let mut lower = Graph::new();
-    let mut copies = vec![Id::FIRST; graph.size()];
-    for id in graph.ids().filter(|id| needed[id.index()]) {
-        let of = |id: Id| copies[id.index()];
-        copies[id.index()] = match graph.node(id) {
+    let mut copies: Vec<Id> = Vec::with_capacity(needed.len());
+    for &id in &needed {
+        let of = |id: Id| copies[place(&needed, id)];
+        copies.push(match graph.node(id) {
             Node::Power(a, n) => product(&mut lower, of(a), n),
             node => lower.intern(node.with_operands(of)),
-        };
+        });
     }
-    (lower, outputs.iter().map(|output| copies[output.index()]).collect())
+    let results = outputs.iter().map(|&output| copies[place(&needed, output)]).collect();
+    (lower, results)
 }
 
 /// xⁿ for n ≥ 2, the products of [`real::elementary::powi`] in their order.

@@ -1,11 +1,14 @@
 //! Derivatives from graph to graph. What does not vary is left out, not multiplied by zero.
 
+use std::collections::BTreeMap;
+
 use crate::{
     Id,
     graph::{
         Binary::*,
         Graph, Node,
         Unary::{self, *},
+        place,
     },
 };
 
@@ -26,46 +29,67 @@ impl Graph {
     /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an
     /// input.
     pub fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
-        let varies = self.varies(inputs);
-        let mut is_input = vec![false; self.size()];
-        inputs.iter().for_each(|x| is_input[x.index()] = true);
-        let mut adjoints: Vec<Option<Id>> = vec![None; self.size()];
-        for &(f, weight) in weighted {
-            self.accumulate(&mut adjoints, &varies, f, weight);
-        }
-        for id in self.ids().rev().skip_while(|id| id.index() >= varies.len()) {
-            if let Some(weight) = adjoints[id.index()].filter(|_| !is_input[id.index()]) {
-                let operands = self.node(id).operands().enumerate();
-                let varying = operands.filter(|(_, operand)| varies[operand.index()]);
-                let part = |(k, operand)| Some((operand, self.part(id, k, weight)?));
-                let parts: Vec<(Id, Id)> = varying.filter_map(part).collect();
-                for (operand, part) in parts {
-                    self.accumulate(&mut adjoints, &varies, operand, part);
-                }
-            }
-        }
+        let mut sorted = inputs.to_vec();
+        sorted.sort_unstable();
+        let slopes = self.adjoints(weighted, |_, id| sorted.binary_search(&id).is_ok());
         let zero = self.constant(0.0);
-        inputs.iter().map(|x| adjoints[x.index()].unwrap_or(zero)).collect()
+        let of = |x| slopes.binary_search_by_key(x, |slope| slope.0).map_or(zero, |n| slopes[n].1);
+        inputs.iter().map(of).collect()
     }
 
-    fn accumulate(&mut self, adjoints: &mut [Option<Id>], varies: &[bool], f: Id, part: Id) {
-        if varies[f.index()] && !self.is_zero(part) {
-            adjoints[f.index()] = Some(match adjoints[f.index()] {
+    /// The derivatives of [`reverse`](Self::reverse) that are not zero, by inputs that are
+    /// variables.
+    pub fn slopes(
+        &mut self,
+        weighted: &[(Id, Id)],
+        is_variable: impl Fn(usize) -> bool,
+    ) -> BTreeMap<usize, Id> {
+        let number = |graph: &Self, id| match graph.node(id) {
+            Node::Input(k) => Some(k as usize).filter(|&k| is_variable(k)),
+            _ => None,
+        };
+        let slopes = self.adjoints(weighted, |graph, id| number(graph, id).is_some());
+        slopes.into_iter().filter_map(|(id, slope)| Some((number(self, id)?, slope))).collect()
+    }
+
+    /// The derivatives by what is an input, in the order of inputs; zeros are left out.
+    fn adjoints(
+        &mut self,
+        weighted: &[(Id, Id)],
+        is_input: impl Fn(&Self, Id) -> bool,
+    ) -> Vec<(Id, Id)> {
+        let needed = self.needed(&weighted.iter().map(|(f, _)| *f).collect::<Vec<_>>());
+        let mut varies: Vec<bool> = Vec::with_capacity(needed.len());
+        for &id in &needed {
+            let mut operands = self.node(id).operands();
+            varies.push(is_input(self, id) || operands.any(|of| varies[place(&needed, of)]));
+        }
+        let mut adjoints: Vec<Option<Id>> = vec![None; needed.len()];
+        for &(f, weight) in weighted {
+            let n = place(&needed, f);
+            if varies[n] {
+                self.accumulate(&mut adjoints[n], weight);
+            }
+        }
+        for (n, &id) in needed.iter().enumerate().rev() {
+            let Some(weight) = adjoints[n].filter(|_| !is_input(self, id)) else { continue };
+            let places = self.node(id).operands().map(|operand| place(&needed, operand));
+            let varying = places.enumerate().filter(|(_, operand)| varies[*operand]);
+            let part = |(k, operand)| Some((operand, self.part(id, k, weight)?));
+            let parts: Vec<(usize, Id)> = varying.filter_map(part).collect();
+            parts.into_iter().for_each(|(to, part)| self.accumulate(&mut adjoints[to], part));
+        }
+        let found = needed.iter().zip(adjoints).filter(|(id, _)| is_input(self, **id));
+        found.filter_map(|(&id, slope)| Some((id, slope?))).collect()
+    }
+
+    fn accumulate(&mut self, adjoint: &mut Option<Id>, part: Id) {
+        if !self.is_zero(part) {
+            *adjoint = Some(match *adjoint {
                 Some(sum) => self.add(sum, part),
                 None => part,
             });
         }
-    }
-
-    /// For every expression, whether it depends on one of `inputs`.
-    fn varies(&self, inputs: &[Id]) -> Vec<bool> {
-        let mut varies = vec![false; self.size()];
-        inputs.iter().for_each(|x| varies[x.index()] = true);
-        for id in self.ids() {
-            let depends = self.node(id).operands().any(|operand| varies[operand.index()]);
-            varies[id.index()] |= depends;
-        }
-        varies
     }
 
     /// weight·∂f/∂a for operand number k of f.
@@ -155,31 +179,25 @@ impl Graph {
         self.where_less(square, one, near, far)
     }
 
-    /// The derivatives of `roots` along a direction: input k changes at the rate of its expression
-    /// in `direction`, all others are constant. The direction is not differentiated.
+    /// The derivatives of `roots` along a direction: input k changes at the rate `direction(k)`, or
+    /// is constant. The direction is not differentiated.
     ///
     /// Along new inputs, of the gradient, it is a Hessian times a vector.
-    pub fn forward(&mut self, roots: &[Id], direction: &[(usize, Id)]) -> Vec<Id> {
+    pub fn forward(&mut self, roots: &[Id], direction: impl Fn(usize) -> Option<Id>) -> Vec<Id> {
         let needed = self.needed(roots);
-        let mut tangents: Vec<Option<Id>> = vec![None; self.size()];
-        for &(k, rate) in direction {
-            let input = self.input(k);
-            if input.index() < tangents.len() && !self.is_zero(rate) {
-                tangents[input.index()] = Some(rate);
-            }
-        }
-        for (index, id) in self.ids().enumerate().take(needed.len()) {
-            if needed[index] && !matches!(self.node(id), Node::Input(_)) {
-                tangents[index] = self.tangent(id, &tangents);
-            }
+        let mut tangents: Vec<Option<Id>> = Vec::with_capacity(needed.len());
+        for &id in &needed {
+            tangents.push(match self.node(id) {
+                Node::Input(k) => direction(k as usize).filter(|&rate| !self.is_zero(rate)),
+                _ => self.tangent(id, |operand| tangents[place(&needed, operand)]),
+            });
         }
         let zero = self.constant(0.0);
-        roots.iter().map(|root| tangents[root.index()].unwrap_or(zero)).collect()
+        roots.iter().map(|&root| tangents[place(&needed, root)].unwrap_or(zero)).collect()
     }
 
     /// The derivative of f from those of its operands; none if it does not vary.
-    fn tangent(&mut self, f: Id, tangents: &[Option<Id>]) -> Option<Id> {
-        let of = |id: Id| tangents[id.index()];
+    fn tangent(&mut self, f: Id, of: impl Fn(Id) -> Option<Id>) -> Option<Id> {
         let tangent = match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
             Node::Unary(_, a) => {
@@ -187,7 +205,7 @@ impl Graph {
                 self.part(f, 0, rate)?
             }
             Node::Binary(Add | Sub | Mul, a, b) => {
-                let parts = [a, b].map(of);
+                let parts = [of(a), of(b)];
                 let mut part = |k: usize| parts[k].and_then(|rate| self.part(f, k, rate));
                 match (part(0), part(1)) {
                     (Some(left), Some(right)) => self.add(left, right),

@@ -1,7 +1,7 @@
 //! Expressions as a graph: every subexpression once, operands before the expressions that use them.
 
 use std::{
-    collections::HashMap,
+    collections::{BinaryHeap, HashMap},
     fmt::{self, Display},
     ops::Range,
 };
@@ -16,9 +16,6 @@ use crate::functions;
 pub struct Id(u32);
 
 impl Id {
-    /// Stands in where there is no operand.
-    pub const FIRST: Self = Self(0);
-
     /// The expression of this number in its graph.
     pub fn at(index: usize) -> Self {
         Self(index as u32)
@@ -160,12 +157,12 @@ impl Node {
         }
     }
 
-    /// The value, from those of the inputs and of earlier expressions.
-    pub fn value<R: Real>(self, inputs: &[R], values: &[R]) -> R {
+    /// The value, from those of earlier expressions, of what is no input.
+    pub fn value<R: Real>(self, values: &[R]) -> R {
         let of = |id: Id| values[id.index()];
         match self {
             Self::Constant(bits) => R::constant(f64::from_bits(bits)),
-            Self::Input(k) => inputs[k as usize],
+            Self::Input(_) => unreachable!("an input has a value of its own"),
             Self::Unary(function, a) => function.value(of(a)),
             Self::Binary(function, a, b) => function.value(of(a), of(b)),
             Self::Power(a, n) => of(a).powi(n as i32),
@@ -452,64 +449,87 @@ impl Graph {
         }
     }
 
-    /// Expressions of another graph, or of this one, with `inputs[k]` in the place of input k.
-    pub fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+    /// Expressions of another graph, or of this one, with `input(k)` in the place of input k; none
+    /// is input k itself.
+    pub fn copy(
+        &mut self,
+        other: Option<&Self>,
+        roots: &[Id],
+        input: impl Fn(usize) -> Option<Id>,
+    ) -> Vec<Id> {
         let needed = other.unwrap_or(self).needed(roots);
-        let mut copies = vec![Id::FIRST; needed.len()];
+        let mut copies = Vec::with_capacity(needed.len());
         self.place = None;
-        for index in (0..needed.len()).filter(|&index| needed[index]) {
-            copies[index] = match other.unwrap_or(self).nodes[index] {
-                Node::Input(k) => inputs[k as usize],
-                node => self.make(node.with_operands(|operand| copies[operand.index()])),
-            };
+        for &id in &needed {
+            copies.push(match other.unwrap_or(self).node(id) {
+                Node::Input(k) => input(k as usize).unwrap_or_else(|| self.input(k as usize)),
+                node => self.make(node.with_operands(|operand| copies[place(&needed, operand)])),
+            });
         }
-        roots.iter().map(|root| copies[root.index()]).collect()
+        roots.iter().map(|&root| copies[place(&needed, root)]).collect()
     }
 
-    /// For every expression, whether one of the roots uses it.
-    pub fn needed(&self, roots: &[Id]) -> Vec<bool> {
-        let mut needed = vec![false; self.size()];
-        for root in roots {
-            needed[root.index()] = true;
-        }
-        for id in self.ids().rev() {
-            if needed[id.index()] {
-                self.node(id).operands().for_each(|operand| needed[operand.index()] = true);
+    /// The roots and what they are made of, operands first.
+    #[must_use]
+    pub fn needed(&self, roots: &[Id]) -> Vec<Id> {
+        let mut open: BinaryHeap<Id> = roots.iter().copied().collect();
+        let mut needed: Vec<Id> = Vec::new();
+        while let Some(id) = open.pop() {
+            if needed.last() != Some(&id) {
+                needed.push(id);
+                open.extend(self.node(id).operands());
             }
         }
+        needed.reverse();
         needed
     }
 
-    /// A bound of the degree of an expression as a polynomial in `inputs`, as in [`real::Degree`];
-    /// none if it does not show a polynomial. An expression made of pieces is none.
+    /// A bound of the degree of an expression as a polynomial in the inputs that are variables, as
+    /// in [`real::Degree`]; none if it does not show a polynomial. An expression made of pieces is
+    /// none.
     #[must_use]
-    pub fn degree(&self, root: Id, inputs: &[usize]) -> Option<u32> {
-        self.degrees(&[root], inputs)[root.index()]
+    pub fn degree(&self, root: Id, is_variable: impl Fn(usize) -> bool) -> Option<u32> {
+        self.degrees(&[root], is_variable)[0]
     }
 
-    /// The [`degree`](Self::degree) of the `roots`, and of what they are made of.
-    pub fn degrees(&self, roots: &[Id], inputs: &[usize]) -> Vec<Option<u32>> {
-        let mut degrees = vec![Degree::CONSTANT; self.inputs()];
-        let known = inputs.iter().filter(|&&k| k < self.inputs());
-        known.for_each(|&k| degrees[k] = Degree::VARIABLE);
-        self.values(roots, &degrees).into_iter().map(Degree::get).collect()
+    /// The [`degree`](Self::degree) of each root.
+    pub fn degrees(&self, roots: &[Id], is_variable: impl Fn(usize) -> bool) -> Vec<Option<u32>> {
+        let degree = |k| if is_variable(k) { Degree::VARIABLE } else { Degree::CONSTANT };
+        self.values(roots, degree).into_iter().map(Degree::get).collect()
     }
 
     /// Whether one of the expressions that `roots` use satisfies `is`.
     pub fn uses(&self, roots: &[Id], is: impl Fn(Node) -> bool) -> bool {
-        let needed = self.needed(roots);
-        self.ids().any(|id| needed[id.index()] && is(self.node(id)))
+        self.needed(roots).into_iter().any(|id| is(self.node(id)))
     }
 
-    /// The values of `roots` and of what they are made of, on numbers of any type.
-    pub fn values<R: Real>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
+    /// The value of each root, on numbers of any type.
+    pub fn values<R: Real>(&self, roots: &[Id], input: impl Fn(usize) -> R) -> Vec<R> {
         let needed = self.needed(roots);
-        let mut values = vec![R::zero(); self.size()];
-        for id in self.ids().filter(|id| needed[id.index()]) {
-            values[id.index()] = self.node(id).value(inputs, &values);
+        let values = self.values_of(&needed, input);
+        roots.iter().map(|&root| values[place(&needed, root)]).collect()
+    }
+
+    /// The value of each expression of a list that [`needed`](Self::needed) gave.
+    pub fn values_of<R: Real>(&self, needed: &[Id], input: impl Fn(usize) -> R) -> Vec<R> {
+        let mut values = Vec::with_capacity(needed.len());
+        for &id in needed {
+            values.push(match self.node(id) {
+                Node::Input(k) => input(k as usize),
+                node => node.with_operands(|of| Id::at(place(needed, of))).value(&values),
+            });
         }
         values
     }
+}
+
+/// The place of an expression in a list that [`Graph::needed`] gave, which has it.
+pub fn place(needed: &[Id], id: Id) -> usize {
+    // A whole graph has each at its number.
+    if needed.get(id.index()) == Some(&id) {
+        return id.index();
+    }
+    needed.binary_search(&id).expect("what an expression is made of is needed")
 }
 
 /// Products of vectors.

@@ -34,7 +34,7 @@ mod terms;
 mod uniform;
 
 pub use affine::{Affine, forms};
-pub use graph::{Binary, Graph, Id, Node, Unary};
+pub use graph::{Binary, Graph, Id, Node, Unary, place};
 pub use tape::Tape;
 pub use terms::{Weighted, terms};
 pub use uniform::Numbers;

@@ -64,14 +64,11 @@ impl Tape {
         groups: &[Range<usize>],
         numbers: Range<usize>,
     ) -> Self {
-        let count = groups.iter().map(|group| group.end).max().unwrap_or(0);
-        let mut inputs = vec![None; count];
-        for (bank, group) in groups.iter().enumerate() {
-            for (row, input) in group.clone().enumerate() {
-                inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
-            }
-        }
-        let (code, numbers, scratch) = compile(graph, outputs, &inputs, &numbers);
+        let place = |k: usize| {
+            let bank = groups.iter().rposition(|group| group.contains(&k))?;
+            Some(Place { bank: bank as u32, row: (k - groups[bank].start) as u32 })
+        };
+        let (code, numbers, scratch) = compile(graph, outputs, place, &numbers);
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
     }

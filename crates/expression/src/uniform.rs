@@ -27,9 +27,8 @@ impl Numbers {
         let values = [1.0, -1.0].repeat(1 + inputs.len());
         let mut numbers = Self { values, computed: Vec::new() };
         let (mut places, mut varies) = (vec![ONE; graph.size()], vec![false; graph.size()]);
-        let needed = graph.needed(taken);
-        for (index, id) in graph.ids().enumerate().filter(|&(index, _)| needed[index]) {
-            let (node, place) = (graph.node(id), numbers.values.len());
+        for id in graph.needed(taken) {
+            let (index, node, place) = (id.index(), graph.node(id), numbers.values.len());
             if let Node::Input(k) = node {
                 (places[index], varies[index]) = (2 * (1 + k - inputs.start as u32), true);
                 continue;
@@ -47,7 +46,7 @@ impl Numbers {
     }
 
     fn compute(&mut self, place: usize, node: Node) {
-        let value = node.value(&[], &self.values);
+        let value = node.value(&self.values);
         (self.values[place], self.values[place + 1]) = (value, -value);
     }
 

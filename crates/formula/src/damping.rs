@@ -174,11 +174,10 @@ impl ClosedIntegral {
 
 /// Coefficients c₀ and c₁ of an expression c₀ + c₁t.
 fn line(graph: &mut Graph, root: Id) -> Option<[f64; 2]> {
-    graph.degree(root, &[0]).filter(|degree| *degree <= 1)?;
+    graph.degree(root, |_| true).filter(|degree| *degree <= 1)?;
     let one = graph.constant(1.0);
-    let slope = graph.forward(&[root], &[(0, one)])[0];
-    let values = graph.values(&[root, slope], &[0.0]);
-    let [c0, c1] = [root, slope].map(|id| values[id.index()]);
+    let slope = graph.forward(&[root], |_| Some(one))[0];
+    let [c0, c1] = graph.values(&[root, slope], |_| 0.0)[..] else { return None };
     (c0.is_finite() && c1.is_finite()).then_some([c0, c1])
 }
 

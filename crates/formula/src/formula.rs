@@ -1,7 +1,8 @@
 //! One formula with its text.
 
-use std::{slice::from_ref, sync::Arc};
+use std::{collections::BTreeSet, slice::from_ref, sync::Arc};
 
+use expression::place;
 use real::Row;
 
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
@@ -68,16 +69,17 @@ impl Formula {
     pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
         assert_eq!(point.len(), self.variables.len(), "numbers of a point");
         let (graph, root, text) = (&self.graph, self.root, &self.text);
-        let values = graph.values(&[root], point);
-        if values[root.index()].is_finite() {
+        let needed = graph.needed(&[root]);
+        let values = graph.values_of(&needed, |k| point[k]);
+        let of = |id| values[place(&needed, id)];
+        if of(root).is_finite() {
             return None;
         }
-        let needed = graph.needed(&[root]);
-        let id = graph.ids().find(|id| needed[id.index()] && !values[id.index()].is_finite())?;
-        let operands = graph.node(id).operands().map(|operand| values[operand.index()].to_string());
+        let id = needed.iter().copied().find(|&id| !of(id).is_finite())?;
+        let operands = graph.node(id).operands().map(|operand| of(operand).to_string());
         let operands = operands.collect::<Vec<_>>().join(" and ");
-        let of = if operands.is_empty() { "" } else { " for " };
-        let message = format!("this is {}{of}{operands}", values[id.index()]);
+        let of_them = if operands.is_empty() { "" } else { " for " };
+        let message = format!("this is {}{of_them}{operands}", of(id));
         Some(FormulaError::new(message, text, graph.place(id).unwrap_or(0..text.len())))
     }
 
@@ -104,7 +106,7 @@ impl Formula {
     /// does not show a polynomial.
     #[must_use]
     pub fn degree(&self, variables: &[usize]) -> Option<u32> {
-        self.graph.degree(self.root, variables)
+        self.graph.degree(self.root, |k| variables.contains(&k))
     }
 
     /// Whether the formula is a condition: one where something is true, else zero.
@@ -133,19 +135,23 @@ impl Formula {
 
     /// The first condition, which has no derivatives, as an error at its place.
     pub(crate) fn condition(&self) -> Option<FormulaError> {
-        let needed = self.graph.needed(&[self.root]);
-        let is_condition =
-            |id: &Id| needed[id.index()] && matches!(self.graph.node(*id), Node::Where(_));
-        let place = self.graph.place(self.graph.ids().find(is_condition)?);
+        let mut needed = self.graph.needed(&[self.root]).into_iter();
+        let place =
+            self.graph.place(needed.find(|&id| matches!(self.graph.node(id), Node::Where(_)))?);
         let message = "a condition is not smooth, and derivatives are needed here: take tanh(x/d) \
                        for a smooth step of width d";
         Some(FormulaError::new(message, &self.text, place.unwrap_or(0..self.text.len())))
     }
 
-    /// Whether the formula uses variable number k.
+    /// Numbers of the variables that the formula uses.
     #[must_use]
-    pub fn depends_on(&self, k: usize) -> bool {
-        self.graph.uses(&[self.root], |node| node == Node::Input(k as u32))
+    pub fn reads(&self) -> BTreeSet<usize> {
+        let needed = self.graph.needed(&[self.root]).into_iter();
+        let number = |id| match self.graph.node(id) {
+            Node::Input(k) => Some(k as usize),
+            _ => None,
+        };
+        needed.filter_map(number).collect()
     }
 }
 

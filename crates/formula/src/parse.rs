@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// The largest length of a text in bytes.
-pub const MAX_BYTES: usize = 100_000;
+pub const MAX_BYTES: usize = 4_000_000;
 
 /// The deepest nesting: open brackets, with a chain of signs and powers in each. It bounds the
 /// recursion of the parser; everything after it is a loop.

@@ -4,6 +4,7 @@ use expression::{
     Binary::{Add, Div, Max, Min, Mul, Sub},
     Graph, Id, Node,
     Unary::Neg,
+    place,
 };
 
 /// Parts whose text is longer are not written out: shared ones may make an endless text.
@@ -23,28 +24,28 @@ pub enum Binding {
 pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String {
     use Binding::{Power, Product, Sum, Whole};
     let needed = graph.needed(&[root]);
-    let mut texts = vec![(String::new(), Whole); graph.size()];
-    let mut products = vec![(1.0, String::new()); graph.size()];
+    let mut texts: Vec<(String, Binding)> = Vec::with_capacity(needed.len());
+    let mut products: Vec<(f64, String)> = Vec::with_capacity(needed.len());
     let write = |texts: &[(String, Binding)], id: Id, least: Binding| {
-        let (text, binding) = &texts[id.index()];
+        let (text, binding) = &texts[place(&needed, id)];
         if *binding < least { format!("({text})") } else { text.clone() }
     };
-    for id in graph.ids().filter(|id| needed[id.index()]) {
+    for &id in &needed {
         let of = |id, least| write(&texts, id, least);
         // A product as its constant and its other factors.
         let factors = match graph.node(id) {
             Node::Constant(bits) => Some((f64::from_bits(bits), String::new())),
             Node::Unary(Neg, a) => {
-                let (c, x) = &products[a.index()];
+                let (c, x) = &products[place(&needed, a)];
                 Some((-c, x.clone()))
             }
             Node::Binary(Mul, a, b) => {
-                let [(c, x), (d, y)] = [a, b].map(|id| &products[id.index()]);
+                let [(c, x), (d, y)] = [a, b].map(|id| &products[place(&needed, id)]);
                 let gap = if x.is_empty() || y.is_empty() { "" } else { " " };
                 Some((c * d, format!("{x}{gap}{y}")))
             }
             Node::Binary(Div, a, b) => {
-                let ((c, x), below) = (&products[a.index()], of(b, Power));
+                let ((c, x), below) = (&products[place(&needed, a)], of(b, Power));
                 Some(match x.is_empty() {
                     true => (c.signum(), format!("{}/{below}", number(c.abs()))),
                     false => (*c, format!("{x}/{below}")),
@@ -54,7 +55,7 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
         };
         // a + b, or a − b, with the sign of b.
         let sum = |a, b: Id, minus: bool| {
-            let (c, x) = &products[b.index()];
+            let (c, x) = &products[place(&needed, b)];
             let sign = if (*c < 0.0) != minus { " - " } else { " + " };
             let b = product(&(c.abs(), x.clone())).0;
             (format!("{}{sign}{b}", of(a, Sum)), Sum)
@@ -78,11 +79,11 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
             (Node::Constant(_) | Node::Binary(..), None) => unreachable!("it has factors"),
         };
         let is_long = text.chars().count() > LONGEST;
-        texts[id.index()] = if is_long { ("(…)".into(), Whole) } else { (text, binding) };
-        products[id.index()] = match factors {
+        texts.push(if is_long { ("(…)".into(), Whole) } else { (text, binding) });
+        products.push(match factors {
             Some(factors) if !is_long => factors,
             _ => (1.0, write(&texts, id, Product)),
-        };
+        });
     }
     write(&texts, root, least)
 }

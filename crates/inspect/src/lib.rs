@@ -56,7 +56,7 @@ use systems::{
 
 use mc::Friction;
 
-use crate::facts::{Probe, norm};
+use crate::facts::{MAX_SEARCHED, Probe, norm};
 use points::{Points, Sight};
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
@@ -72,8 +72,6 @@ pub use structure::Structure;
 
 /// Half side of the box in which a system without an initial value is inspected.
 const HALF_SIDE: f64 = 2.0;
-/// Largest number of components of a system whose Casimirs are searched: each has D² numbers.
-const MAX_COMPONENTS: usize = 512;
 /// Largest number of components of a system that is inspected in a whole region, not only near its
 /// initial value.
 const SMALL: usize = 64;
@@ -146,7 +144,7 @@ pub fn inspect(
     let hamiltonians = Hamiltonians::of(&mut sight);
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
-    let searched = rows_of_paths && sight.probe.dimension() <= MAX_COMPONENTS;
+    let searched = rows_of_paths && sight.probe.dimension() <= MAX_SEARCHED;
     let casimirs = searched.then(|| Casimirs::of(&mut sight));
     // Friction may break what bounds paths.
     let uniform = settings.friction.is_empty();

@@ -70,7 +70,10 @@ impl Inspection {
             row(name, format!("{formula}: {kind} ({status}); {shape}"))
         });
         lines.extend(some(claims));
-        lines.extend(self.casimirs.iter().flat_map(Casimirs::lines));
+        lines.extend(match &self.casimirs {
+            Some(casimirs) => casimirs.lines(),
+            None => vec![row("Casimirs", "not searched in so large a system")],
+        });
         if let Some(ProblemFindings { damping, integral, radius }) = &self.problem {
             lines.push(row("damping", format!("{damping}; {integral}")));
             let inside = match self.bound.as_ref().is_some_and(|bound| bound.minimum.in_domain_only)

@@ -1,9 +1,10 @@
 //! Initial values: numbers, formulas of random numbers, or a file of states.
 
-use std::{fs, path::Path, slice::from_mut, sync::Arc};
+use std::{collections::BTreeSet, fs, path::Path, slice::from_mut, sync::Arc};
 
 use casimir::{
     expectation::is_level,
+    formula::Formula,
     mc::{Initial, parts::hash},
     noise::{StreamKey, WienerRows},
     real::{Row, WIDTH, elementary},
@@ -106,11 +107,9 @@ pub fn initial(
     let parse = |text: &At<Text>| text.formula(&names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
     // The variables that are used, and which of them are uniform.
-    let variables = names.variables().iter().enumerate();
-    let used: Vec<_> = variables
-        .filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)))
-        .map(|(k, name)| (k, name.starts_with('u')))
-        .collect();
+    let used: BTreeSet<usize> = formulas.iter().flat_map(Formula::reads).collect();
+    let is_uniform = |k: usize| (k, names.variables()[k].starts_with('u'));
+    let used: Vec<(usize, bool)> = used.into_iter().map(is_uniform).collect();
     let (variables, is_random) = (names.variables().len(), !used.is_empty());
     // Where a lattice has more components than there are formulas, these are of each site, with
     // random numbers of its own.

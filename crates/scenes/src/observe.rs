@@ -169,10 +169,8 @@ impl Vocabulary {
     pub fn quantity(&mut self, text: &At<Text>) -> Read<Quantity> {
         let formula = text.formula(&self.names)?;
         let (dimension, all) = (self.dimension, self.dimension + self.further.len());
-        let used = (0..self.further.len())
-            .filter(|k| formula.depends_on(dimension + k))
-            .map(|k| Ok((k, self.known(k)?)))
-            .collect::<Read<Vec<_>>>()?;
+        let further = formula.reads().into_iter().filter_map(|k| k.checked_sub(dimension));
+        let used = further.map(|k| Ok((k, self.known(k)?))).collect::<Read<Vec<_>>>()?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {

@@ -1,8 +1,8 @@
 //! Short forms of a state and of B: vectors, and blocks.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use casimir::formula::{Formula, Names, nearest};
+use casimir::formula::{self, Formula, Names, nearest};
 
 use super::{
     is_column,
@@ -53,7 +53,9 @@ impl State {
 
     /// The components of what an argument names: a component, a vector, or several, `s[1..3]`.
     fn of(&self, argument: &str) -> Option<Vec<Vec<usize>>> {
-        let place = |name: &str| self.components.iter().position(|known| **known == *name);
+        let numbers: HashMap<&str, usize> =
+            self.components.iter().enumerate().rev().map(|(k, name)| (&***name, k)).collect();
+        let place = |name: &str| numbers.get(name).copied();
         let one = |name: &str| match self.vectors.iter().find(|(vector, _)| vector == name) {
             Some((_, components)) => components.iter().map(|name| place(name)).collect(),
             None => Some(vec![place(name)?]),
@@ -97,14 +99,14 @@ fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
     (first <= last && last <= MOST).then_some(first..=last)
 }
 
-/// The entries of B as texts, in rows.
-pub fn structure(state: (&State, &Names), at: &At<Structure>) -> Read<Vec<Vec<String>>> {
+/// The entries of B as texts.
+pub fn structure(state: (&State, &Names), at: &At<Structure>) -> Read<formula::Structure> {
     match &**at {
         Listed::List(rows) => {
             let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
-            Ok(rows.iter().map(row).collect())
+            Ok(formula::Structure::Rows(rows.iter().map(row).collect()))
         }
-        Listed::Text(text) => blocks(state, text, at),
+        Listed::Text(text) => blocks(state, text, at).map(formula::Structure::Entries),
     }
 }
 
@@ -114,7 +116,7 @@ fn blocks(
     (state, names): (&State, &Names),
     text: &str,
     at: &At<Structure>,
-) -> Read<Vec<Vec<String>>> {
+) -> Read<BTreeMap<(usize, usize), String>> {
     let (mut gaps, mut found, mut rest) = (Vec::new(), Vec::new(), text);
     while let Some((start, end)) = next_block(rest) {
         gaps.push(&rest[..start]);
@@ -128,7 +130,6 @@ fn blocks(
         let all = gaps.iter().zip(of).map(|(gap, entry)| format!("{gap}{entry}"));
         all.collect::<String>() + rest
     };
-    let dimension = state.components.len();
     let none = vec!["0".to_owned(); found.len()];
     let mut sums: BTreeMap<(usize, usize), Vec<String>> = BTreeMap::new();
     for (k, block) in found.iter().enumerate() {
@@ -153,9 +154,7 @@ fn blocks(
     if is_other {
         refuse!(at, "each term of B is a multiple of a block");
     }
-    let entry = |i, j| sums.get(&(i, j)).map_or("0".into(), |of| filled(of));
-    let row = |i: usize| (i + 1..dimension).map(|j| entry(i, j)).collect();
-    Ok((0..dimension.saturating_sub(1)).map(row).collect())
+    Ok(sums.into_iter().map(|(place, of)| (place, filled(&of))).collect())
 }
 
 /// The kinds of blocks.

@@ -62,14 +62,18 @@ pub fn always_solvable<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M:
         Linearity::Other => false,
         Linearity::Affine => shown_solvable(D, |v| {
             let v: [f64; D] = std::array::from_fn(|i| v[i]);
-            identity_minus_half(system, v).map(Vec::from).to_vec()
+            vec![identity_minus_half(system, v).map(Vec::from).to_vec()]
         }),
     }
 }
 
-/// The search of [`always_solvable`], for the matrix I − ½A(v) of any dimension.
-pub fn shown_solvable(dimension: usize, matrix: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> bool {
-    (0..TRIED).all(|n| determinant(matrix(&direction(n, dimension))) >= 1.0 - ROUNDING)
+/// A square matrix, row by row.
+type Matrix = Vec<Vec<f64>>;
+
+/// The search of [`always_solvable`], for the diagonal blocks of I − ½A(v) of any dimension.
+pub fn shown_solvable(dimension: usize, blocks: impl Fn(&[f64]) -> Vec<Matrix>) -> bool {
+    let determinant = |v: &[f64]| blocks(v).into_iter().map(determinant).product::<f64>();
+    (0..TRIED).all(|n| determinant(&direction(n, dimension)) >= 1.0 - ROUNDING)
 }
 
 /// Vector number n: a direction by multiples of the golden ratio, of a size between [`SIZES`].
@@ -86,7 +90,7 @@ fn direction(n: u32, dimension: usize) -> Vec<f64> {
 }
 
 /// The determinant, by elimination with pivoting.
-fn determinant(mut a: Vec<Vec<f64>>) -> f64 {
+fn determinant(mut a: Matrix) -> f64 {
     let mut determinant = 1.0;
     for k in 0..a.len() {
         let largest =

@@ -41,7 +41,7 @@ const VISITS: u64 = 256;
 /// let pendulum = Definition {
 ///     name: "pendulum".into(),
 ///     state: words(&["p", "q"]),
-///     structure: vec![words(&["-1"])],
+///     structure: vec![words(&["-1"])].into(),
 ///     energy: "p^2/2 - cos(q)".into(),
 ///     noises: words(&["p^2/2 - cos(q)"]),
 ///     ..Definition::default()

@@ -58,7 +58,14 @@ fn chain(spins: usize) -> Definition {
     let bonds: Vec<String> = (0..d - 3).map(|i| format!("s{i}*s{}", i + 3)).collect();
     let energy = if spins > 1 { bonds.join(" + ") } else { "s2^2".into() };
     let noises = (0..spins).map(|n| format!("0.2*s{}", 3 * n + 2)).collect();
-    Definition { name: "chain".into(), state, structure, energy, noises, ..Definition::default() }
+    Definition {
+        name: "chain".into(),
+        state,
+        structure: structure.into(),
+        energy,
+        noises,
+        ..Definition::default()
+    }
 }
 
 #[test]

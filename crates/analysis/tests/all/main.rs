@@ -61,7 +61,7 @@ fn texts(state: &str, structure: &[&str], energy: &str, noises: &[&str]) -> Defi
     Definition {
         name: "texts".into(),
         state: words(state),
-        structure: structure.iter().map(|row| words(row)).collect(),
+        structure: structure.iter().map(|row| words(row)).collect::<Vec<_>>().into(),
         energy: energy.into(),
         noises: noises.iter().map(|noise| noise.to_string()).collect(),
         ..Definition::default()

@@ -65,7 +65,7 @@ fn what_is_too_large_is_refused_before_the_first_step() {
         (lattice("[1000, 1000]"), "inspect scene.toml", "sites would take about 15.0 GB of memory"),
         (lattice("[1e5]"), "order scene.toml", "paths at a time with 300000 components"),
         (lattice("[1e4]"), "lyapunov scene.toml --count 3000", "256 chains of 30000 components"),
-        (masses(1000), "run scene.toml", "a matrix B for 2000 components would take about 8.0 GB"),
+        (masses(75_000), "run scene.toml", "formulas of 150000 components would take about 4.5 GB"),
         (pairs(150), "run scene.toml", "observables and 11175 pairs at 64 times would take"),
         (steps("steps = 1e9\ntimes = 1e9"), "run scene.toml", "1000000001 times would take"),
         (steps("steps = 9007199254740881\ntimes = 1e14"), "run scene.toml", "steps: take 1"),

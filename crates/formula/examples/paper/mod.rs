@@ -18,7 +18,7 @@ fn definition(
         name: name.to_owned(),
         state: (1..=dimension).map(|i| format!("y{i}")).collect(),
         parameters: parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
-        structure: structure.iter().map(|row| words(row)).collect(),
+        structure: structure.iter().map(|row| words(row)).collect::<Vec<_>>().into(),
         energy: energy.to_owned(),
         noises: words(noises),
         ..Definition::default()

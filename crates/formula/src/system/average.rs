@@ -7,7 +7,10 @@
 
 use dgrad::{Rule, nodes_for_degree};
 
-use super::{MAX_NODES, NODES};
+use super::{
+    MAX_NODES, NODES,
+    sparse::{Sparse, dot},
+};
 use expression::{Graph, Id, Node, Unary, Weighted, terms};
 
 /// (a+b)/2 + distance·(b − a), in the order of operations of `systems::run_time`.
@@ -27,41 +30,41 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
     // Terms by the number of their nodes.
     let mut groups: Vec<Vec<Weighted>> = vec![Vec::new(); MAX_NODES + 1];
     let terms = terms(graph, h);
-    let all: Vec<Id> = graph.ids().collect();
-    let degrees = graph.degrees(&all, &y);
+    let degree = |graph: &Graph, root| graph.degree(root, |k| k < y.len());
+    let mut middle = None;
     for (term, weight) in terms {
-        let part = match graph.node(term) {
-            Node::Unary(function @ (Unary::Sin | Unary::Cos), angle)
-                if degrees[angle.index()] == Some(1) =>
-            {
-                averaged_wave(graph, function, (angle, weight), a, b)
+        if let Node::Unary(function @ (Unary::Sin | Unary::Cos), angle) = graph.node(term)
+            && degree(graph, angle) == Some(1)
+        {
+            let middle = middle.get_or_insert_with(|| point(graph, a, b, 0.0));
+            for (k, part) in averaged_wave(graph, function, (angle, weight), (a, b), middle) {
+                add(graph, &mut mean[k], part, 1.0);
             }
-            _ => {
-                let nodes = match degrees[term.index()] {
-                    Some(0) => continue,
-                    Some(degree) => nodes_for_degree(degree as usize - 1).min(MAX_NODES),
-                    None => NODES,
-                };
-                groups[nodes].push((term, weight));
-                continue;
-            }
+            continue;
+        }
+        let nodes = match degree(graph, term) {
+            Some(0) => continue,
+            Some(degree) => nodes_for_degree(degree as usize - 1).min(MAX_NODES),
+            None => NODES,
         };
-        add(graph, &mut mean, &part, 1.0);
+        groups[nodes].push((term, weight));
     }
     for (nodes, group) in groups.iter().enumerate().filter(|(_, group)| !group.is_empty()) {
         let gradient = graph.reverse(group, &y);
         let part = by_quadrature(graph, &gradient, nodes, a, b);
-        add(graph, &mut mean, &part, 1.0);
+        add_all(graph, &mut mean, &part, 1.0);
     }
     mean
 }
 
 /// Adds weight·part.
-pub fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id], weight: f64) {
-    for (sum, &part) in sum.iter_mut().zip(part) {
-        let weighted = graph.scale(part, weight);
-        *sum = graph.add(*sum, weighted);
-    }
+pub fn add(graph: &mut Graph, sum: &mut Id, part: Id, weight: f64) {
+    let weighted = graph.scale(part, weight);
+    *sum = graph.add(*sum, weighted);
+}
+
+fn add_all(graph: &mut Graph, sums: &mut [Id], parts: &[Id], weight: f64) {
+    sums.iter_mut().zip(parts).for_each(|(sum, &part)| add(graph, sum, part, weight));
 }
 
 /// The averaged gradient of weight·sin u or weight·cos u for an affine u: the means of cos u and
@@ -70,19 +73,18 @@ fn averaged_wave(
     graph: &mut Graph,
     function: Unary,
     (angle, weight): Weighted,
-    a: &[Id],
-    b: &[Id],
-) -> Vec<Id> {
+    (a, b): (&[Id], &[Id]),
+    middle: &[Id],
+) -> Sparse {
     let one = graph.constant(1.0);
-    let slopes = graph.reverse(&[(angle, one)], &(0..a.len()).collect::<Vec<_>>());
-    let distance = |(&a, &b): (&Id, &Id)| {
-        let difference = graph.sub(b, a);
-        graph.scale(difference, 0.5)
-    };
-    let distances: Vec<Id> = a.iter().zip(b).map(distance).collect();
-    let half = graph.dot(&distances, &slopes);
-    let middle = point(graph, a, b, 0.0);
-    let angle = at(graph, &[angle], &middle)[0];
+    let slopes = graph.slopes(&[(angle, one)], |k| k < a.len());
+    let mut distances = Sparse::new();
+    for &k in slopes.keys() {
+        let difference = graph.sub(b[k], a[k]);
+        distances.insert(k, graph.scale(difference, 0.5));
+    }
+    let half = dot(graph, &distances, &slopes);
+    let angle = at(graph, &[angle], middle)[0];
     let mean = match function {
         Unary::Sin => graph.unary(Unary::Cos, angle),
         _ => {
@@ -93,13 +95,12 @@ fn averaged_wave(
     let sinc = graph.unary(Unary::Sinc, half);
     let product = graph.mul(mean, sinc);
     let mean = graph.mul(product, weight);
-    slopes.into_iter().map(|slope| graph.mul(mean, slope)).collect()
+    slopes.into_iter().map(|(k, slope)| (k, graph.mul(mean, slope))).collect()
 }
 
 /// Expressions at another state y.
 fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
-    let rest: Vec<Id> = (state.len()..graph.inputs()).map(|k| graph.input(k)).collect();
-    graph.copy(None, roots, &[state, &rest].concat())
+    graph.copy(None, roots, |k| state.get(k).copied())
 }
 
 fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: &[Id]) -> Vec<Id> {
@@ -114,9 +115,9 @@ fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: 
         let mut value = at_distance(graph, -distance);
         if 2 * k + 1 != nodes {
             let mirror = at_distance(graph, distance);
-            add(graph, &mut value, &mirror, 1.0);
+            add_all(graph, &mut value, &mirror, 1.0);
         }
-        add(graph, &mut sum, &value, rule.weights()[k]);
+        add_all(graph, &mut sum, &value, rule.weights()[k]);
     }
     sum
 }

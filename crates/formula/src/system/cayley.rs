@@ -4,35 +4,26 @@
 //! systems. The matrix is eliminated without pivoting, in the order of [`real::Factored`]. Its
 //! zeros are known, so that nothing is computed with them.
 
-use super::MAX_EXPRESSIONS;
+use std::collections::BTreeSet;
+
+use super::{MAX_EXPRESSIONS, sparse::Sparse};
 use expression::{Graph, Id};
 
-/// The matrix I − ½A(v), row by row.
-pub fn matrix(graph: &mut Graph, field: &[Id]) -> Vec<Vec<Id>> {
-    let mut matrix = vec![Vec::new(); field.len()];
-    let one = graph.constant(1.0);
-    for j in 0..field.len() {
-        let column = graph.forward(field, &[(j, one)]);
-        for (i, &slope) in column.iter().enumerate() {
-            let half = graph.scale(slope, -0.5);
-            matrix[i].push(if i == j { graph.add(half, one) } else { half });
-        }
-    }
-    matrix
-}
-
-/// x with A x = b; none if it takes too many expressions.
-pub fn solve(graph: &mut Graph, a: Vec<Vec<Id>>, b: Vec<Id>) -> Option<Vec<Id>> {
+/// x with A x = b, for the rows of A; none if it takes too many expressions.
+pub fn solve(graph: &mut Graph, a: Vec<Sparse>, b: Vec<Id>) -> Option<Vec<Id>> {
+    let zero = graph.constant(0.0);
+    let entry = |i: usize, k: usize| a[i].get(&k).copied().unwrap_or(zero);
     Some(match a.len() {
         2 => {
-            let determinant = graph.minor([a[0][0], a[0][1]], [a[1][0], a[1][1]]);
-            let adjugate = [[a[1][1], graph.neg(a[0][1])], [graph.neg(a[1][0]), a[0][0]]];
+            let determinant = graph.minor([entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]);
+            let adjugate =
+                [[entry(1, 1), graph.neg(entry(0, 1))], [graph.neg(entry(1, 0)), entry(0, 0)]];
             times_adjugate(graph, &adjugate, &b, determinant)
         }
         3 => {
-            let columns =
-                [graph.cross(&a[1], &a[2]), graph.cross(&a[2], &a[0]), graph.cross(&a[0], &a[1])];
-            let determinant = graph.dot(&a[0], &columns[0]);
+            let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|k| entry(i, k)));
+            let columns = [(1, 2), (2, 0), (0, 1)].map(|(i, k)| graph.cross(&rows[i], &rows[k]));
+            let determinant = graph.dot(&rows[0], &columns[0]);
             let adjugate = [0, 1, 2].map(|i| columns.map(|column| column[i]));
             times_adjugate(graph, &adjugate, &b, determinant)
         }
@@ -57,36 +48,45 @@ fn times_adjugate<const N: usize>(
     x
 }
 
-fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Option<Vec<Id>> {
-    let one = graph.constant(1.0);
+fn eliminate(graph: &mut Graph, mut a: Vec<Sparse>, mut x: Vec<Id>) -> Option<Vec<Id>> {
+    let (size, one, zero) = (graph.size(), graph.constant(1.0), graph.constant(0.0));
+    // Rows with an entry in each column, below the diagonal.
+    let mut below = vec![BTreeSet::new(); x.len()];
+    for (i, row) in a.iter().enumerate() {
+        row.range(..i).for_each(|(&k, _)| _ = below[k].insert(i));
+    }
     for k in 0..x.len() {
-        a[k][k] = graph.div(one, a[k][k]);
-        if graph.size() > MAX_EXPRESSIONS {
+        let pivot = graph.div(one, a[k].get(&k).copied().unwrap_or(zero));
+        a[k].insert(k, pivot);
+        if graph.size() - size > MAX_EXPRESSIONS {
             return None;
         }
-        for i in k + 1..x.len() {
-            if graph.is_zero(a[i][k]) {
-                continue;
-            }
-            a[i][k] = graph.mul(a[i][k], a[k][k]);
-            for j in k + 1..x.len() {
-                let product = graph.mul(a[i][k], a[k][j]);
-                a[i][j] = graph.sub(a[i][j], product);
+        let row: Vec<(usize, Id)> = a[k].range(k + 1..).map(|(&j, &entry)| (j, entry)).collect();
+        for i in std::mem::take(&mut below[k]) {
+            let factor = graph.mul(a[i][&k], pivot);
+            a[i].insert(k, factor);
+            for &(j, entry) in &row {
+                let product = graph.mul(factor, entry);
+                let entry = a[i].entry(j).or_insert(zero);
+                *entry = graph.sub(*entry, product);
+                if j < i {
+                    below[j].insert(i);
+                }
             }
         }
     }
-    for k in 0..x.len() {
-        for i in k + 1..x.len() {
-            let product = graph.mul(a[i][k], x[k]);
+    for i in 0..x.len() {
+        for (&k, &factor) in a[i].range(..i) {
+            let product = graph.mul(factor, x[k]);
             x[i] = graph.sub(x[i], product);
         }
     }
     for k in (0..x.len()).rev() {
-        for j in k + 1..x.len() {
-            let product = graph.mul(a[k][j], x[j]);
+        for (&j, &entry) in a[k].range(k + 1..) {
+            let product = graph.mul(entry, x[j]);
             x[k] = graph.sub(x[k], product);
         }
-        x[k] = graph.mul(x[k], a[k][k]);
+        x[k] = graph.mul(x[k], a[k][&k]);
     }
     Some(x)
 }

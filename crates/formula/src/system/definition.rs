@@ -1,6 +1,9 @@
 //! A Poisson system as texts, and errors in them.
 
-use std::fmt::{self, Display};
+use std::{
+    collections::BTreeMap,
+    fmt::{self, Display},
+};
 
 use crate::{Formula, FormulaError, NameError, Names};
 
@@ -15,12 +18,33 @@ pub struct Definition {
     pub vectors: Vec<(String, Vec<String>)>,
     /// Names and values of parameters.
     pub parameters: Vec<(String, f64)>,
-    /// B, row by row: all D×D entries, or the entries above the diagonal, in rows of D − 1, …, 1.
-    pub structure: Vec<Vec<String>>,
+    /// B.
+    pub structure: Structure,
     /// H₀.
     pub energy: String,
     /// H₁, …, one for each noise.
     pub noises: Vec<String>,
+}
+
+/// The matrix B as texts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Structure {
+    /// All D×D entries, or the entries above the diagonal, in rows of D − 1, …, 1.
+    Rows(Vec<Vec<String>>),
+    /// Entries above the diagonal with their rows and columns, counted from 0; others are zero.
+    Entries(BTreeMap<(usize, usize), String>),
+}
+
+impl Default for Structure {
+    fn default() -> Self {
+        Self::Rows(Vec::new())
+    }
+}
+
+impl From<Vec<Vec<String>>> for Structure {
+    fn from(rows: Vec<Vec<String>>) -> Self {
+        Self::Rows(rows)
+    }
 }
 
 /// The faulty part of a [`Definition`], or its initial value.
@@ -77,11 +101,12 @@ impl From<NameError> for DefinitionError {
     }
 }
 
-/// The formulas of a definition, B by its entries above the diagonal.
+/// The formulas of a definition.
 pub(super) struct Formulas {
     pub names: Names,
-    /// Row i has the entries i + 1, … of that row of B.
-    pub structure: Vec<Vec<Formula>>,
+    pub dimension: usize,
+    /// The entries of B above the diagonal that are not zero, with their rows and columns.
+    pub structure: Vec<((usize, usize), Formula)>,
     /// H₀, H₁, …, whose last variable is the time.
     pub hamiltonians: Vec<Formula>,
 }
@@ -120,10 +145,11 @@ impl Formulas {
             Ok(formula)
         };
         check_initial_value(state, y0)?;
-        let structure = upper(structure, y0, parsed)?;
+        let mut structure = upper(structure, y0, parsed)?;
+        structure.retain(|(_, entry)| !entry.graph.is_zero(entry.root));
         let hamiltonians = std::iter::once(energy).chain(noises).enumerate().map(hamiltonian);
         let hamiltonians = hamiltonians.collect::<Result<_, DefinitionError>>()?;
-        Ok(Self { structure, hamiltonians, names })
+        Ok(Self { dimension: y0.len(), structure, hamiltonians, names })
     }
 }
 
@@ -156,37 +182,52 @@ fn has_gradient(which: Which, formula: &Formula, start: &[f64]) -> Result<(), De
     }
 }
 
-/// The entries of B above the diagonal.
+/// An entry of B with its row and column.
+type Entry = ((usize, usize), Formula);
+
+/// The entries of B above the diagonal, row by row.
 fn upper(
-    texts: &[Vec<String>],
+    texts: &Structure,
     y0: &[f64],
     parsed: impl Fn(Which, &str) -> Result<Formula, DefinitionError>,
-) -> Result<Vec<Vec<Formula>>, DefinitionError> {
+) -> Result<Vec<Entry>, DefinitionError> {
     let dimension = y0.len();
-    let rows: Vec<usize> = texts.iter().map(Vec::len).collect();
-    let is_full = rows == vec![dimension; dimension];
-    let is_upper = rows.iter().copied().eq((1..dimension).rev());
-    if !is_full && !is_upper {
-        let message = format!(
+    let wrong = |what| Err(DefinitionError::new(Which::Matrix, what));
+    let entry = |(i, j): (usize, usize), text: &str| {
+        Ok(((i, j), parsed(Which::Structure(i + 1, j + 1), text)?))
+    };
+    let rows = match texts {
+        Structure::Rows(rows) => rows,
+        Structure::Entries(entries) => {
+            let is_above = |&&(i, j): &&(usize, usize)| i < j && j < dimension;
+            if let Some((i, j)) = entries.keys().find(|place| !is_above(place)) {
+                return wrong(format!(
+                    "entries of B have a row below their column, which is below {dimension}, got \
+                     row {i}, column {j}"
+                ));
+            }
+            return entries.iter().map(|(&place, text)| entry(place, text)).collect();
+        }
+    };
+    let lengths: Vec<usize> = rows.iter().map(Vec::len).collect();
+    let is_full = lengths == vec![dimension; dimension];
+    if !is_full && !lengths.iter().copied().eq((1..dimension).rev()) {
+        return wrong(format!(
             "B must have {dimension} rows of {dimension} entries, or its entries above the \
-             diagonal in rows of {} to 1; its rows have {rows:?}",
+             diagonal in rows of {} to 1; its rows have {lengths:?}",
             dimension - 1
-        );
-        return Err(DefinitionError::new(Which::Matrix, message));
+        ));
     }
     let mut entries = Vec::new();
-    for (i, texts) in texts.iter().enumerate() {
+    for (i, row) in rows.iter().enumerate() {
         let first = if is_full { 0 } else { i + 1 };
-        let entry =
-            |(k, text): (usize, &String)| parsed(Which::Structure(i + 1, first + k + 1), text);
-        entries.push(texts.iter().enumerate().map(entry).collect::<Result<Vec<_>, _>>()?);
+        for (k, text) in row.iter().enumerate() {
+            entries.push(entry((i, first + k), text)?);
+        }
     }
     if is_full {
         check_skew(&entries, y0)?;
-        entries.iter_mut().enumerate().for_each(|(i, row)| drop(row.drain(..=i)));
-    } else {
-        // The last row has no entry above the diagonal.
-        entries.push(Vec::new());
+        entries.retain(|((i, j), _)| i < j);
     }
     Ok(entries)
 }
@@ -196,11 +237,11 @@ fn upper(
 const ROUNDING: f64 = 1e-9;
 
 /// Checks bᵢⱼ = −bⱼᵢ at the initial value and points near it at which both are finite.
-fn check_skew(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError> {
+fn check_skew(entries: &[Entry], y0: &[f64]) -> Result<(), DefinitionError> {
     let points = systems::probe::around(y0, |_| true);
-    for i in 0..entries.len() {
+    for i in 0..y0.len() {
         for j in 0..=i {
-            let (lower, upper) = (&entries[i][j], &entries[j][i]);
+            let [lower, upper] = [(i, j), (j, i)].map(|(i, j)| &entries[i * y0.len() + j].1);
             for point in &points {
                 let (value, mirror) = (upper.value(point), lower.value(point));
                 if (value + mirror).abs() > ROUNDING * (value.abs() + mirror.abs()) {

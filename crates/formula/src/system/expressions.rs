@@ -1,11 +1,16 @@
 //! The expressions of a system in one graph.
 
-use std::{collections::BTreeSet, ops::Range, slice::from_ref};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+    slice::from_ref,
+};
 
 use super::{
     MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
     flows::{Part, Term, parts},
+    sparse::{Sparse, connected, dot},
 };
 use real::Real;
 use systems::{
@@ -13,7 +18,7 @@ use systems::{
     run_time::{Op, Parts},
 };
 
-use expression::{Binary, Graph, Id, Node, Tape, Unary};
+use expression::{Binary, Graph, Id, Node, Tape, Unary, forms, place};
 
 use crate::{
     Formula,
@@ -28,8 +33,8 @@ pub struct Expressions {
     pub noises: usize,
     /// H₀, H₁, …
     pub hamiltonians: Vec<Id>,
-    /// The entries of B above the diagonal, row by row.
-    pub structure: Vec<Vec<Id>>,
+    /// The entries of B in each row that are not zero, by their columns.
+    pub structure: Vec<Vec<Entry>>,
     /// B(y)v.
     field: Vec<Id>,
     /// h.
@@ -40,6 +45,14 @@ pub struct Expressions {
     operations: Vec<(Op<usize>, Vec<Id>)>,
     /// Flows of the parts, in a graph of their own; none if there is a term without one.
     flows: (Graph, Vec<Vec<Id>>),
+}
+
+/// An entry of B.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    pub column: usize,
+    /// The entry above the diagonal; below the diagonal, the entry is minus this.
+    pub above: Id,
 }
 
 /// The groups of inputs.
@@ -75,22 +88,25 @@ pub fn number_of_areas(noises: usize) -> usize {
 impl Expressions {
     /// The expressions of a system; or of the `rest` of it, the terms of another graph.
     pub fn new(formulas: &Formulas, rest: Option<(&Graph, &[Term])>) -> Self {
-        let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
+        let (dimension, noises) = (formulas.dimension, formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
         let t = graph.input(first_area(dimension, noises) + number_of_areas(noises));
-        let variables = [&y[..], &[t]].concat();
+        let variable = |k: usize| Some(y.get(k).copied().unwrap_or(t));
         let mut import =
-            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &variables)[0];
+            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], variable)[0];
         let mut hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
-        let structure: Vec<Vec<Id>> =
-            formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
+        let mut structure: Vec<Vec<Entry>> = vec![Vec::new(); dimension];
+        for ((i, j), formula) in &formulas.structure {
+            let above = import(formula);
+            structure[*i].push(Entry { column: *j, above });
+            structure[*j].push(Entry { column: *i, above });
+        }
+        structure.iter_mut().for_each(|row| row.sort_by_key(|entry| entry.column));
         if let Some((other, terms)) = rest {
             hamiltonians.fill(graph.constant(0.0));
             for term in terms {
-                let mut inputs = vec![t; other.inputs()];
-                inputs[..dimension].copy_from_slice(&y);
-                let root = graph.copy(Some(other), &[term.root], &inputs)[0];
+                let root = graph.copy(Some(other), &[term.root], variable)[0];
                 let scaled = graph.scale(root, term.factor);
                 hamiltonians[term.of] = graph.add(hamiltonians[term.of], scaled);
             }
@@ -109,15 +125,16 @@ impl Expressions {
             flows,
         };
         let [u, v] = [U, V].map(|group| new.inputs(group));
-        new.field = new.times(&v);
+        let directions: Sparse = u.iter().copied().enumerate().collect();
+        new.field = new.field_at(&v.into_iter().enumerate().collect());
         let field = new.field.clone();
-        let field_along = new.along(&field, &u);
+        let field_along = new.along(&field, &directions);
         let weights = [new.inputs(DT), new.inputs(DW)].concat();
         new.energy = new.graph.dot(&new.hamiltonians, &weights);
         // ∇(H₀w₀ + H₁w₁ + …).
         let weighted: Vec<(Id, Id)> = new.hamiltonians.iter().copied().zip(weights).collect();
         let gradient = new.graph.reverse(&weighted, &new.y());
-        let hessian = new.along(&gradient, &u);
+        let hessian = new.along(&gradient, &directions);
         let averaged = average::averaged_gradient(&mut new.graph, &weighted, &y, &u);
         let correction = new.corrected();
         new.operations = vec![
@@ -131,14 +148,12 @@ impl Expressions {
         if noises <= MAX_NOISES {
             let gradient = new.bracketed();
             if noises > 1 {
-                let hessian = new.along(&gradient, &u);
+                let hessian = new.along(&gradient, &directions);
                 new.operations.push((Op::AreaHessian { y: Y, u: U }, hessian));
             }
             new.operations.push((Op::AreaGradient { y: Y }, gradient));
         }
-        if let Some(0 | 1) = new.structure_degree()
-            && let Some(solution) = new.solved(&y)
-        {
+        if let Some(solution) = new.solved(&y) {
             new.operations.push((Op::Cayley { y: Y, v: V }, solution));
         }
         new
@@ -159,69 +174,70 @@ impl Expressions {
     /// Finds the parts of the Hamiltonians whose flows are known.
     /// Also gives the terms without a flow, with their graph.
     pub fn find_parts(&mut self, state: &[String]) -> (Result<Parts, String>, Graph, Vec<Term>) {
-        let mut names = state.to_vec();
-        names.resize(self.group(TIME).end, "t".into());
         let mut apart = self.clone();
         let found = parts(&mut apart);
-        let text = |root: Id, factor: f64| {
-            let mut graph = apart.graph.clone();
-            let product = graph.scale(root, factor);
-            words::text(&graph, product, &names, Binding::Sum)
+        let names = apart.names(state);
+        let mut text = |root: Id, factor: f64| {
+            let product = apart.graph.scale(root, factor);
+            words::text(&apart.graph, product, &names, Binding::Sum)
         };
-        let of_noise = |m: usize| {
-            let has = |part: &Part| part.terms.iter().any(|term| term.of == m);
-            let mut all = (0..found.len()).filter(|&k| has(&found[k]));
-            all.next().filter(|_| all.next().is_none())
-        };
-        let of = |part: &Part, m: usize| {
-            let terms = part.terms.iter().filter(|term| term.of == m);
-            let all: Vec<String> = terms.map(|term| text(term.root, term.factor)).collect();
-            let (first, others) = all.split_first()?;
-            let more = all.len().saturating_sub(MAX_TERMS);
-            let signed = |term: &String| match term.strip_prefix('-') {
-                Some(term) => format!(" - {term}"),
-                None => format!(" + {term}"),
-            };
-            let shown: String = others.iter().take(MAX_TERMS - 1).map(signed).collect();
-            let more = if more > 0 { format!(" + {more} terms") } else { String::new() };
-            Some(format!("{first}{shown}{more} of H{m}"))
-        };
-        let words = |part: &Part| {
-            let all: Vec<String> = (0..=self.noises).filter_map(|m| of(part, m)).collect();
-            format!("{} by {}", part.kind(), all.join(", "))
-        };
+        let mut of_noise: Vec<Vec<usize>> = vec![Vec::new(); self.noises + 1];
+        let mut about = Vec::new();
+        for (k, part) in found.iter().enumerate() {
+            let mut terms: BTreeMap<usize, Vec<&Term>> = BTreeMap::new();
+            part.terms.iter().for_each(|term| terms.entry(term.of).or_default().push(term));
+            terms.keys().for_each(|&m| of_noise[m].push(k));
+            let mut all = Vec::new();
+            for (m, terms) in terms.iter().take(MAX_TERMS) {
+                let shown = terms.iter().take(MAX_TERMS);
+                let shown: Vec<String> = shown.map(|term| text(term.root, term.factor)).collect();
+                all.push(format!("{} of H{m}", sum(&shown, terms.len() - shown.len())));
+            }
+            let more = terms.len() - all.len();
+            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+            about.push(format!("{} by {}{more}", part.kind(), all.join(", ")));
+        }
         let rest: Vec<Term> = found
             .iter()
             .filter(|part| part.is_rest())
             .flat_map(|part| part.terms.clone())
             .collect();
-        let parts = Parts {
-            number: found.len(),
-            of_noise: (1..=self.noises).map(of_noise).collect(),
-            preferred: false,
-            words: found.iter().map(words).collect(),
-        };
-        let mut graph = Graph::new();
-        let inputs: Vec<Id> = (0..self.group(TIME).end).map(|k| graph.input(k)).collect();
-        let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, &inputs);
-        self.flows.1 = found.iter().map(flow).collect();
-        self.flows.0 = graph;
+        let only = |all: &Vec<usize>| if let [k] = all[..] { Some(k) } else { None };
         let parts = match &rest[..] {
             [term, ..] if found.len() < 2 => {
                 Err(format!("no flow of {} is known", text(term.root, 1.0)))
             }
-            _ if found.is_empty() => Err("it is too large to look for flows".into()),
-            _ => Ok(parts),
+            _ if found.is_empty() => Err("no Hamiltonian depends on y".into()),
+            _ => Ok(Parts {
+                number: found.len(),
+                of_noise: of_noise[1..].iter().map(only).collect(),
+                preferred: false,
+                words: about,
+            }),
         };
+        let mut graph = Graph::new();
+        let inputs: Vec<Id> = (0..self.group(TIME).end).map(|k| graph.input(k)).collect();
+        let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, |k| Some(inputs[k]));
+        self.flows.1 = found.iter().map(flow).collect();
+        self.flows.0 = graph;
         (parts, apart.graph, rest)
+    }
+
+    /// Names of the inputs; those that no formula shows have any.
+    fn names(&self, state: &[String]) -> Vec<String> {
+        let mut names = state.to_vec();
+        names.resize(self.group(TIME).end, "t".into());
+        names
     }
 
     /// The flow of a part from y, with the weights of the Hamiltonians, at time t.
     pub fn flow(&self, part: usize, graph: &mut Graph, y: &[Id], weights: &[Id], t: Id) -> Vec<Id> {
-        let mut inputs = vec![t; self.group(TIME).end];
-        inputs[self.group(Y)].copy_from_slice(y);
-        inputs[self.group(DT).start..][..weights.len()].copy_from_slice(weights);
-        graph.copy(Some(&self.flows.0), &self.flows.1[part], &inputs)
+        let (d, first) = (self.dimension, self.group(DT).start);
+        let input = |k: usize| match k {
+            _ if k < d => y[k],
+            _ => weights.get(k - first).copied().unwrap_or(t),
+        };
+        graph.copy(Some(&self.flows.0), &self.flows.1[part], |k| Some(input(k)))
     }
 
     /// The components of y.
@@ -229,14 +245,17 @@ impl Expressions {
         self.inputs(Y)
     }
 
+    /// The number of the component that an expression is.
+    pub fn component(&self, id: Id) -> Option<usize> {
+        match self.graph.node(id) {
+            Node::Input(k) => Some(k as usize).filter(|&k| k < self.dimension),
+            _ => None,
+        }
+    }
+
     /// The components that expressions use.
     pub fn reads(&self, roots: &[Id]) -> BTreeSet<usize> {
-        let needed = self.graph.needed(roots);
-        let component = |id: Id| match self.graph.node(id) {
-            Node::Input(k) if (k as usize) < self.dimension => Some(k as usize),
-            _ => None,
-        };
-        self.graph.ids().filter(|id| needed[id.index()]).filter_map(component).collect()
+        self.graph.needed(roots).into_iter().filter_map(|id| self.component(id)).collect()
     }
 
     /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
@@ -246,33 +265,31 @@ impl Expressions {
 
     /// Σ c·w for the weights w of Hamiltonians and factors c.
     pub fn weighted(&mut self, shares: &[(usize, f64)]) -> Id {
-        let weights = [self.inputs(DT), self.inputs(DW)].concat();
         let mut sum = self.graph.constant(0.0);
         for &(m, factor) in shares {
-            let weight = self.graph.scale(weights[m], factor);
+            let weight = self.graph.input(self.group(DT).start + m);
+            let weight = self.graph.scale(weight, factor);
             sum = self.graph.add(sum, weight);
         }
         sum
     }
 
     /// B∇F of a term with its weight.
-    pub fn field_of_term(&mut self, term: &Term) -> Vec<Id> {
+    pub fn field_of_term(&mut self, term: &Term) -> Sparse {
         let weight = self.weight(from_ref(term));
-        let gradient = self.graph.reverse(&[(term.root, weight)], &self.y());
-        self.field_at(V, &gradient)
+        let gradient = self.graph.slopes(&[(term.root, weight)], |k| k < self.dimension);
+        self.times(&gradient)
     }
 
     /// r with x′ = rx for the change x′ of component k; none if there is no such r, or it depends
     /// on the component.
     pub fn rate(&mut self, change: Id, k: usize) -> Option<Id> {
-        if self.graph.degree(change, &[k])? > 1 {
+        if self.graph.degree(change, |i| i == k)? > 1 {
             return None;
         }
-        let mut state: Vec<Id> = (0..self.group(TIME).end).map(|k| self.graph.input(k)).collect();
-        state[k] = self.graph.constant(0.0);
-        let at_zero = self.graph.copy(None, &[change], &state)[0];
-        let one = self.graph.constant(1.0);
-        let rate = self.graph.forward(&[change], &[(k, one)])[0];
+        let [zero, one] = [0.0, 1.0].map(|x| self.graph.constant(x));
+        let at_zero = self.graph.copy(None, &[change], |i| (i == k).then_some(zero))[0];
+        let rate = self.graph.forward(&[change], |i| (i == k).then_some(one))[0];
         (self.graph.is_zero(at_zero) && !self.reads(&[rate]).contains(&k)).then_some(rate)
     }
 
@@ -280,23 +297,37 @@ impl Expressions {
         self.group(Y).collect()
     }
 
-    /// B·v, with bⱼᵢ = −bᵢⱼ below the diagonal.
-    fn times(&mut self, v: &[Id]) -> Vec<Id> {
-        let Self { graph, structure: entries, .. } = self;
-        let mut field = Vec::new();
-        for i in 0..v.len() {
+    /// B·v.
+    fn times(&mut self, v: &Sparse) -> Sparse {
+        let Self { graph, structure, .. } = self;
+        let rows: BTreeSet<usize> =
+            v.keys().flat_map(|&k| structure[k].iter().map(|entry| entry.column)).collect();
+        let mut field = Sparse::new();
+        for i in rows {
             let mut sum = graph.constant(0.0);
-            for j in 0..i {
-                let product = graph.mul(entries[j][i - j - 1], v[j]);
-                sum = graph.sub(sum, product);
+            for Entry { column, above } in &structure[i] {
+                let Some(&v) = v.get(column) else { continue };
+                let product = graph.mul(*above, v);
+                sum = if *column < i { graph.sub(sum, product) } else { graph.add(sum, product) };
             }
-            for j in i + 1..v.len() {
-                let product = graph.mul(entries[i][j - i - 1], v[j]);
-                sum = graph.add(sum, product);
+            if !graph.is_zero(sum) {
+                field.insert(i, sum);
             }
-            field.push(sum);
         }
         field
+    }
+
+    /// All components of B·v.
+    fn field_at(&mut self, v: &Sparse) -> Vec<Id> {
+        let field = self.times(v);
+        self.dense(field)
+    }
+
+    /// All components of a vector.
+    fn dense(&mut self, vector: Sparse) -> Vec<Id> {
+        let mut all = vec![self.graph.constant(0.0); self.dimension];
+        vector.into_iter().for_each(|(k, component)| all[k] = component);
+        all
     }
 
     /// Whether B or a Hamiltonian has a logarithm, a root or a quotient.
@@ -317,8 +348,8 @@ impl Expressions {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
         let mut sum = self.graph.dot(&self.hamiltonians, &ones);
         // No two entries cancel, as they would if all numbers were one.
-        let v: Vec<Id> = self.y().iter().map(|&k| self.graph.constant(1.0 + k as f64)).collect();
-        for component in self.field_at(V, &v) {
+        let v = (0..self.dimension).map(|k| (k, self.graph.constant(1.0 + k as f64))).collect();
+        for component in self.field_at(&v) {
             sum = self.graph.add(sum, component);
         }
         self.tape(&[sum], [Y, TIME])
@@ -335,21 +366,26 @@ impl Expressions {
     }
 
     fn largest_degree(&self, roots: &[Id]) -> Option<u32> {
-        let degrees = self.graph.degrees(roots, &self.y());
-        roots.iter().map(|root| degrees[root.index()]).try_fold(0, |most, d| Some(d?.max(most)))
+        let degrees = self.graph.degrees(roots, |k| k < self.dimension);
+        degrees.into_iter().try_fold(0, |most, degree| Some(degree?.max(most)))
     }
 
     /// The derivatives of functions of y along a direction.
-    fn along(&mut self, roots: &[Id], direction: &[Id]) -> Vec<Id> {
-        let direction: Vec<(usize, Id)> = direction.iter().copied().enumerate().collect();
-        self.graph.forward(roots, &direction)
+    fn along(&mut self, roots: &[Id], direction: &Sparse) -> Vec<Id> {
+        self.graph.forward(roots, |k| direction.get(&k).copied())
+    }
+
+    /// The derivatives of the components of a vector.
+    fn vector_along(&mut self, vector: &Sparse, direction: &Sparse) -> Sparse {
+        let roots: Vec<Id> = vector.values().copied().collect();
+        vector.keys().copied().zip(self.along(&roots, direction)).collect()
     }
 
     /// ∂∇̄h(y, u)/∂u·v; none if there is no ∇̄h.
     pub fn averaged_along(&mut self) -> Option<Vec<Id>> {
         let averaged = self.of(&Op::AveragedGradient { a: (), b: () })?.1.clone();
-        let direction: Vec<(usize, Id)> = self.group(U).zip(self.inputs(V)).collect();
-        Some(self.graph.forward(&averaged, &direction))
+        let (first, v) = (self.group(U).start, self.inputs(V));
+        Some(self.graph.forward(&averaged, |k| v.get(k.checked_sub(first)?).copied()))
     }
 
     /// ½Σₘ fₘ′fₘ.
@@ -357,8 +393,9 @@ impl Expressions {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
             let (_, field) = self.field_of(m);
-            let derivative = self.along(&field, &field);
-            average::add(&mut self.graph, &mut correction, &derivative, 0.5);
+            for (k, slope) in self.vector_along(&field, &field) {
+                average::add(&mut self.graph, &mut correction[k], slope, 0.5);
+            }
         }
         correction
     }
@@ -370,7 +407,7 @@ impl Expressions {
         for (m, (slope, _)) in fields.iter().enumerate() {
             for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
                 let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
-                brackets.push((self.graph.dot(slope, field), area));
+                brackets.push((dot(&mut self.graph, slope, field), area));
             }
         }
         self.graph.reverse(&brackets, &self.y())
@@ -378,25 +415,30 @@ impl Expressions {
 
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
     /// [`vanish`] finds around `y0`. False if there are too many noises or expressions.
-    pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
+    pub fn commutators(&mut self, y0: &[f64]) -> [bool; 2] {
         if !(2..=MAX_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
         }
         let fields = self.noise_fields();
-        let (y, one) = (self.y(), self.graph.constant(1.0));
+        let (d, size, one) = (self.dimension, self.graph.size(), self.graph.constant(1.0));
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
-                let bracket = self.graph.dot(slope, g);
-                let v = self.graph.reverse(&[(bracket, one)], &y);
-                let turned = self.field_at(V, &v);
-                let (moved, other) = (self.along(g, f), self.along(f, g));
-                for i in 0..self.dimension {
-                    let commutator = self.graph.sub(moved[i], other[i]);
+                let bracket = dot(&mut self.graph, slope, g);
+                let v = self.graph.slopes(&[(bracket, one)], |k| k < d);
+                let turned = self.times(&v);
+                let [moved, other] = [(g, f), (f, g)].map(|(f, g)| self.vector_along(f, g));
+                let changed: BTreeSet<usize> =
+                    [&turned, &moved, &other].into_iter().flat_map(Sparse::keys).copied().collect();
+                for i in changed {
+                    let of = |vector: &Sparse| vector.get(&i).copied();
+                    let [turned, moved, other] = [&turned, &moved, &other].map(of);
+                    let zero = self.graph.constant(0.0);
+                    let commutator = self.graph.sub(moved.unwrap_or(zero), other.unwrap_or(zero));
                     commutators.push(commutator);
-                    defects.push(self.graph.add(commutator, turned[i]));
+                    defects.push(self.graph.add(commutator, turned.unwrap_or(zero)));
                 }
-                if self.graph.size() > MAX_EXPRESSIONS {
+                if self.graph.size() - size > MAX_EXPRESSIONS {
                     return [false; 2];
                 }
             }
@@ -413,57 +455,53 @@ impl Expressions {
 
     /// Values of functions of y at a time, in numbers of any type.
     fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
-        let mut inputs = y.to_vec();
-        inputs.resize(self.group(TIME).end, R::constant(t));
-        let values = self.graph.values(roots, &inputs);
-        roots.iter().map(|root| values[root.index()]).collect()
+        self.graph.values(roots, |k| y.get(k).copied().unwrap_or(R::constant(t)))
     }
 
     /// ∇Hₘ and B∇Hₘ of all noises.
-    fn noise_fields(&mut self) -> Vec<(Vec<Id>, Vec<Id>)> {
+    fn noise_fields(&mut self) -> Vec<(Sparse, Sparse)> {
         (1..=self.noises).map(|m| self.field_of(m)).collect()
     }
 
     /// ∇Hₘ and B∇Hₘ of one Hamiltonian.
-    fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
+    fn field_of(&mut self, m: usize) -> (Sparse, Sparse) {
         let one = self.graph.constant(1.0);
-        let gradient = self.graph.reverse(&[(self.hamiltonians[m], one)], &self.y());
-        let field = self.field_at(V, &gradient);
+        let gradient = self.graph.slopes(&[(self.hamiltonians[m], one)], |k| k < self.dimension);
+        let field = self.times(&gradient);
         (gradient, field)
     }
 
     /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.
     pub fn in_time(mut self, y: &[f64]) -> (Graph, Vec<Id>) {
-        let fields: Vec<Id> = (0..=self.noises).flat_map(|m| self.field_of(m).1).collect();
+        let fields: Vec<Id> =
+            (0..=self.noises).flat_map(|m| self.field_of(m).1.into_values()).collect();
         let mut graph = Graph::new();
         let t = graph.input(0);
-        let mut inputs: Vec<Id> = y.iter().map(|&y| graph.constant(y)).collect();
-        inputs.resize(self.group(TIME).end, t);
-        let mut roots = graph.copy(Some(&self.graph), &fields, &inputs);
+        let y: Vec<Id> = y.iter().map(|&y| graph.constant(y)).collect();
+        let input = |k: usize| Some(y.get(k).copied().unwrap_or(t));
+        let mut roots = graph.copy(Some(&self.graph), &fields, input);
         roots.retain(|&root| graph.uses(&[root], |node| node == Node::Input(0)));
         (graph, roots)
     }
 
     /// The equation, a text for each component: `dp = -q dt + 0.5 ∘ dW1`; those `damped` have −γy.
     pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
-        let fields: Vec<Vec<Id>> =
-            (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
-        let mut names = state.to_vec();
-        names.resize(self.group(TIME).end, "t".into());
+        let mut fields = vec![Vec::new(); self.dimension];
+        for m in 0..=self.noises {
+            self.field_of(m).1.into_iter().for_each(|(i, field)| fields[i].push((m, field)));
+        }
+        let names = self.names(state);
         let equation = |(i, name): (usize, &String)| {
             let mut text = format!("d{name} =");
-            for (m, field) in fields.iter().enumerate() {
-                if self.graph.is_zero(field[i]) {
-                    continue;
-                }
-                let minus = words::negated(&mut self.graph, field[i]);
+            for &(m, field) in &fields[i] {
+                let minus = words::negated(&mut self.graph, field);
                 text += match (minus, text.ends_with('=')) {
                     (Some(_), true) => " -",
                     (Some(_), false) => " - ",
                     (None, true) => " ",
                     (None, false) => " + ",
                 };
-                let factor = minus.unwrap_or(field[i]);
+                let factor = minus.unwrap_or(field);
                 if self.graph.as_constant(factor) != Some(1.0) {
                     text += &(words::text(&self.graph, factor, &names, Binding::Product) + " ");
                 }
@@ -478,23 +516,47 @@ impl Expressions {
         state.iter().enumerate().map(equation).collect()
     }
 
-    /// B(y)v for other expressions in the place of a group.
-    fn field_at(&mut self, group: usize, state: &[Id]) -> Vec<Id> {
-        let mut inputs = [Y, U, V].map(|group| self.inputs(group));
-        inputs[group] = state.to_vec();
-        self.graph.copy(None, &self.field, &inputs.concat())
+    /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or if it takes too many
+    /// expressions.
+    fn solved(&mut self, y: &[Id]) -> Option<Vec<Id>> {
+        let matrix = self.cayley_matrix()?;
+        let (d, zero) = (self.dimension, self.graph.constant(0.0));
+        let at_zero = |k: usize| (k < d).then_some(zero);
+        let constant = self.graph.copy(None, &self.field, at_zero);
+        // y + ½(B(y)v + B(0)v).
+        let mut right = y.to_vec();
+        for (k, right) in right.iter_mut().enumerate() {
+            let mut sum = self.field[k];
+            average::add(&mut self.graph, &mut sum, constant[k], 1.0);
+            average::add(&mut self.graph, right, sum, 0.5);
+        }
+        cayley::solve(&mut self.graph, matrix, right)
     }
 
-    /// The solution z of z = y + B((y+z)/2)v; none if it takes too many expressions.
-    fn solved(&mut self, y: &[Id]) -> Option<Vec<Id>> {
-        let zero = vec![self.graph.constant(0.0); self.dimension];
-        let constant = self.field_at(Y, &zero);
-        // y + ½(B(y)v + B(0)v).
-        let (mut sum, mut right) = (self.field.clone(), y.to_vec());
-        average::add(&mut self.graph, &mut sum, &constant, 1.0);
-        average::add(&mut self.graph, &mut right, &sum, 0.5);
-        let matrix = cayley::matrix(&mut self.graph, &self.field);
-        cayley::solve(&mut self.graph, matrix, right)
+    /// The rows of I − ½A(v), if B is affine.
+    fn cayley_matrix(&mut self) -> Option<Vec<Sparse>> {
+        let [one, v] = [vec![self.graph.constant(1.0)], self.inputs(V)];
+        let entries: Vec<Id> = self.structure.iter().flatten().map(|entry| entry.above).collect();
+        let needed = self.graph.needed(&entries);
+        let forms = forms(&self.graph, &needed, self.dimension);
+        let mut matrix = Vec::new();
+        for (i, entries) in self.structure.iter().enumerate() {
+            let mut row = Sparse::new();
+            for Entry { column, above } in entries {
+                let sign = if *column < i { -1.0 } else { 1.0 };
+                for (&k, slope) in &forms[place(&needed, *above)].as_ref()?.slopes {
+                    let product = self.graph.scale(v[*column], sign * slope);
+                    let sum = row.get(&k).map_or(product, |&sum| self.graph.add(sum, product));
+                    row.insert(k, sum);
+                }
+            }
+            row.values_mut().for_each(|entry| *entry = self.graph.scale(*entry, -0.5));
+            let diagonal = row.get(&i).map_or(one[0], |&entry| self.graph.add(entry, one[0]));
+            row.insert(i, diagonal);
+            row.retain(|_, entry| !self.graph.is_zero(*entry));
+            matrix.push(row);
+        }
+        Some(matrix)
     }
 
     /// The expressions of an operation, and the groups of inputs that its arguments are; none if it
@@ -509,14 +571,51 @@ impl Expressions {
         self.tape(&[self.energy], [Y, DT, DW, TIME])
     }
 
-    /// The entries of I − ½A(v) from v, row by row.
-    pub fn cayley_matrix_tape(&mut self) -> Tape {
-        let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
-        self.tape(&matrix, [V])
+    /// Components in groups that B joins, by an entry or by what an entry reads.
+    pub fn joined(&self) -> Vec<Vec<usize>> {
+        let of = |entries: &Vec<Entry>| {
+            let join = |entry: &Entry| {
+                self.reads(&[entry.above]).into_iter().chain([entry.column]).collect::<Vec<_>>()
+            };
+            entries.iter().flat_map(join).collect::<Vec<_>>()
+        };
+        connected(&self.structure.iter().map(of).collect::<Vec<_>>())
+    }
+
+    /// The diagonal blocks of I − ½A(v) with their tapes: each has its components, and gives the
+    /// entries row by row.
+    pub fn cayley_blocks(&mut self) -> Vec<(Vec<usize>, Tape)> {
+        let Some(matrix) = self.cayley_matrix() else { return Vec::new() };
+        let zero = self.graph.constant(0.0);
+        let joined: Vec<Vec<usize>> =
+            matrix.iter().map(|row| row.keys().copied().collect()).collect();
+        let block = |components: Vec<usize>| {
+            let entry = |&i: &usize, &k: &usize| matrix[i].get(&k).copied().unwrap_or(zero);
+            let entries: Vec<Id> = components
+                .iter()
+                .flat_map(|i| components.iter().map(|k| entry(i, k)).collect::<Vec<_>>())
+                .collect();
+            let tape = self.tape(&entries, [V]);
+            (components, tape)
+        };
+        connected(&joined).into_iter().map(block).collect()
     }
 
     fn tape(&self, roots: &[Id], groups: impl IntoIterator<Item = usize>) -> Tape {
         let groups: Vec<_> = groups.into_iter().map(|group| self.group(group)).collect();
         Tape::new(&self.graph, roots, &groups)
     }
+}
+
+/// A sum of terms in words, with the number of those that are not shown.
+fn sum(terms: &[String], more: usize) -> String {
+    let mut sum = String::new();
+    for (n, term) in terms.iter().enumerate() {
+        sum += &match (n, term.strip_prefix('-')) {
+            (0, _) => term.clone(),
+            (_, Some(term)) => format!(" - {term}"),
+            (_, None) => format!(" + {term}"),
+        };
+    }
+    if more > 0 { format!("{sum} + {more} terms") } else { sum }
 }

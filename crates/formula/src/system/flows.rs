@@ -7,13 +7,16 @@
 //! kick, and one that multiplies components by what it does not change is a growth. Terms of none
 //! of these forms are one part, whose steps preserve its energy.
 
-use std::{cmp::Ordering, collections::BTreeSet, slice::from_ref};
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    slice::from_ref,
+};
 
-use super::expressions::Expressions;
-use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, terms};
-
-/// Systems with more components have no parts.
-const MAX_COMPONENTS: usize = 100;
+use super::{
+    expressions::{Entry, Expressions},
+    sparse::connected,
+};
+use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, place, terms};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
 #[derive(Clone)]
@@ -42,11 +45,11 @@ pub struct Term {
 #[derive(Clone)]
 enum Kind {
     /// Functions of linear functions.
-    Linear(Vec<Linear>),
+    Linear(Involution),
     /// A quadratic function for a constant B, with its shares in the Hamiltonians.
     Quadratic { field: Linear, shares: Vec<(usize, f64)> },
-    /// Products of two vectors, by their components.
-    Pairs(Vec<[[usize; 3]; 2]>),
+    /// Products of two vectors, by their components, which are `taken`.
+    Pairs { pairs: Vec<[[usize; 3]; 2]>, taken: BTreeSet<usize> },
     /// A field that changes some components, those `grown` by a factor, and reads others.
     Kick { changed: BTreeSet<usize>, grown: BTreeSet<usize>, read: BTreeSet<usize> },
     /// Terms without a known flow.
@@ -58,8 +61,44 @@ enum Kind {
 struct Linear {
     slopes: Affine,
     /// B(y)∇ℓ.
-    field: Vec<Affine>,
+    field: Field,
     blocks: Vec<Block>,
+}
+
+/// The components of a field that are not zero.
+type Field = BTreeMap<usize, Affine>;
+
+/// Linear functions in involution, none a multiple of another.
+#[derive(Clone, Default)]
+struct Involution {
+    all: Vec<Linear>,
+    /// Numbers of the functions whose first slope is of a component.
+    first: HashMap<usize, Vec<usize>>,
+    /// Numbers of the functions whose field moves a component.
+    moving: HashMap<usize, Vec<usize>>,
+}
+
+impl Involution {
+    /// The function that this is a multiple of, and the factor.
+    fn multiple(&self, slopes: &Affine) -> Option<(usize, f64)> {
+        let known = self.first.get(slopes.slopes.keys().next()?)?;
+        known.iter().find_map(|&n| Some((n, slopes.over(&self.all[n].slopes)?)))
+    }
+
+    /// Whether all brackets with a function are zero.
+    fn commutes(&self, one: &Linear) -> bool {
+        let near = one.slopes.slopes.keys().filter_map(|k| self.moving.get(k)).flatten();
+        near.copied().collect::<BTreeSet<_>>().into_iter().all(|n| self.all[n].commutes(one))
+    }
+
+    fn push(&mut self, one: Linear) {
+        let n = self.all.len();
+        if let Some(&k) = one.slopes.slopes.keys().next() {
+            self.first.entry(k).or_default().push(n);
+        }
+        one.field.keys().for_each(|&k| self.moving.entry(k).or_default().push(n));
+        self.all.push(one);
+    }
 }
 
 /// Components that a linear field couples, x′ = Kx + …, with K³ = cK.
@@ -84,13 +123,13 @@ impl Part {
             all.iter().flat_map(|one| &one.blocks).any(|block| cube(block.cube))
         };
         match &self.kind {
-            Kind::Pairs(_) => "turn of pairs",
+            Kind::Pairs { .. } => "turn of pairs",
             Kind::Kick { grown, .. } if grown.is_empty() => "kick",
             Kind::Kick { .. } => "growth",
             Kind::Rest => "energy-preserving step",
             Kind::Quadratic { .. } => "exact flow",
-            Kind::Linear(all) if is(|cube| cube < 0.0, all) => "turn",
-            Kind::Linear(all) if is(|cube| cube > 0.0, all) => "boost",
+            Kind::Linear(known) if is(|cube| cube < 0.0, &known.all) => "turn",
+            Kind::Linear(known) if is(|cube| cube > 0.0, &known.all) => "boost",
             Kind::Linear(_) => "kick",
         }
     }
@@ -98,9 +137,6 @@ impl Part {
 
 /// The parts of the Hamiltonians, the last of which is that without a flow, or else the longest.
 pub fn parts(system: &mut Expressions) -> Vec<Part> {
-    if system.dimension > MAX_COMPONENTS {
-        return Vec::new();
-    }
     let mut found: Vec<Single> = Vec::new();
     for (group, kind) in singles(system) {
         match found.iter_mut().find_map(|(terms, known)| known.joins(&kind).then_some(terms)) {
@@ -113,7 +149,7 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
         let flow = kind.flow(system, &terms);
         let length = match kind {
             Kind::Rest => usize::MAX,
-            _ => system.graph.needed(&flow).iter().filter(|needed| **needed).count(),
+            _ => system.graph.needed(&flow).len(),
         };
         parts.push((length, Part { terms, kind, flow }));
     }
@@ -121,8 +157,8 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
     parts.into_iter().map(|(_, part)| part).collect()
 }
 
-/// Columns of B whose entries are affine in y: those of k are the field of yₖ.
-type Columns = Vec<Vec<Affine>>;
+/// Columns of B whose entries are affine in y: that of k is the field of yₖ.
+type Columns = Vec<Field>;
 
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
 /// the product of two vectors.
@@ -136,9 +172,7 @@ fn singles(system: &mut Expressions) -> Vec<Single> {
             join_linear(system, columns, m, &mut all);
             found.extend(quadratic(system, columns, m, &mut all));
             spare(system, &vectors, &mut all);
-            while let Some(pair) = pair(system, &vectors, &mut all) {
-                found.push(pair);
-            }
+            found.extend(pairs(system, &vectors, &mut all));
         }
         for term in all {
             let linear = columns.as_ref().and_then(|columns| linear_kind(columns, &term));
@@ -151,16 +185,29 @@ fn singles(system: &mut Expressions) -> Vec<Single> {
 
 /// The columns of B, if it is affine.
 fn columns(system: &Expressions) -> Option<Columns> {
-    let shapes = forms(&system.graph, system.dimension);
-    let entry = |i: usize, k: usize| match i.cmp(&k) {
-        Ordering::Less => shapes[system.structure[i][k - i - 1].index()].clone(),
-        Ordering::Equal => Some(Affine::default()),
-        Ordering::Greater => {
-            Some(shapes[system.structure[k][i - k - 1].index()].as_ref()?.times(-1.0))
-        }
+    let above: Vec<Id> = system.structure.iter().flatten().map(|entry| entry.above).collect();
+    let needed = system.graph.needed(&above);
+    let forms = forms(&system.graph, &needed, system.dimension);
+    let column = |(k, entries): (usize, &Vec<Entry>)| {
+        let entry = |entry: &Entry| {
+            let form = forms[place(&needed, entry.above)].as_ref()?;
+            // The entry in row i and column k, above the diagonal for i < k.
+            Some((entry.column, form.times(if entry.column < k { 1.0 } else { -1.0 })))
+        };
+        entries.iter().map(entry).collect()
     };
-    let column = |k: usize| (0..system.dimension).map(|i| entry(i, k)).collect();
-    (0..system.dimension).map(column).collect()
+    system.structure.iter().enumerate().map(column).collect()
+}
+
+/// Adds a multiple to a field.
+fn add(field: &mut Field, factor: f64, other: &Field) {
+    for (&k, form) in other {
+        let sum = field.entry(k).or_default();
+        sum.add(factor, form);
+        if sum.is_zero() {
+            field.remove(&k);
+        }
+    }
 }
 
 /// Makes one term of the linear ones of a Hamiltonian, if there are several.
@@ -186,32 +233,36 @@ fn quadratic(
     m: usize,
     all: &mut Vec<Term>,
 ) -> Option<Single> {
-    if columns.iter().flatten().any(|entry| !entry.slopes.is_empty()) {
+    if columns.iter().flat_map(BTreeMap::values).any(|entry| !entry.slopes.is_empty()) {
         return None;
     }
-    let y: Vec<usize> = (0..system.dimension).collect();
-    let degrees = system.graph.degrees(&all.iter().map(|term| term.root).collect::<Vec<_>>(), &y);
-    let degree = |term: &Term| degrees[term.root.index()];
-    let is_quadratic = |term: &Term| matches!(degree(term), Some(..=2));
-    if !all.iter().any(|term| degree(term) == Some(2)) {
+    let roots: Vec<Id> = all.iter().map(|term| term.root).collect();
+    let degrees = system.graph.degrees(&roots, |k| k < system.dimension);
+    if !degrees.contains(&Some(2)) {
         return None;
     }
-    let few: Vec<Term> = all.iter().filter(|term| is_quadratic(term)).cloned().collect();
+    let mut quadratic = degrees.iter().map(|degree| matches!(degree, Some(..=2)));
+    let few: Vec<Term> =
+        all.iter().zip(quadratic.clone()).filter(|(_, is)| *is).map(|x| x.0.clone()).collect();
     let weighted: Vec<(Id, Id)> =
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
-    let gradient = system.graph.reverse(&weighted, &y);
-    let shapes = forms(&system.graph, system.dimension);
-    let mut field = vec![Affine::default(); system.dimension];
-    for (slope, column) in gradient.iter().zip(columns) {
-        let slope = shapes[slope.index()].as_ref()?;
-        field.iter_mut().zip(column).for_each(|(sum, entry)| sum.add(entry.constant, slope));
+    let gradient = system.graph.slopes(&weighted, |k| k < system.dimension);
+    let slopes: Vec<Id> = gradient.values().copied().collect();
+    let needed = system.graph.needed(&slopes);
+    let forms = forms(&system.graph, &needed, system.dimension);
+    let mut field = Field::new();
+    for (k, slope) in gradient {
+        let slope = forms[place(&needed, slope)].as_ref()?;
+        for (&i, entry) in &columns[k] {
+            add(&mut field, entry.constant, &Field::from([(i, slope.clone())]));
+        }
     }
     let field = Linear { slopes: Affine::default(), blocks: blocks(&field)?, field };
     let cubes = || field.blocks.iter().map(|block| block.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
         return None;
     }
-    all.retain(|term| !is_quadratic(term));
+    all.retain(|_| quadratic.next() != Some(true));
     Some((few, Kind::Quadratic { field, shares: vec![(m, 1.0)] }))
 }
 
@@ -237,22 +288,23 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
             }
         }
     }
-    let shapes = forms(&system.graph, system.dimension);
     let term = |(root, factor)| {
-        let functions = linear_functions(&system.graph, &shapes, root);
+        let functions = linear_functions(&system.graph, root, system.dimension);
         (!functions.is_empty()).then_some(Term { of: m, root, factor, functions })
     };
     found.into_iter().filter_map(term).collect()
 }
 
 /// The maximal subexpressions of a function that are linear in y, with their directions.
-fn linear_functions(graph: &Graph, shapes: &[Option<Affine>], root: Id) -> Vec<(Id, Affine)> {
+fn linear_functions(graph: &Graph, root: Id, dimension: usize) -> Vec<(Id, Affine)> {
+    let needed = graph.needed(from_ref(&root));
+    let forms = forms(graph, &needed, dimension);
     let (mut open, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
             continue;
         }
-        match &shapes[id.index()] {
+        match &forms[place(&needed, id)] {
             Some(form) if form.slopes.is_empty() => {}
             Some(form) => {
                 found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
@@ -265,72 +317,72 @@ fn linear_functions(graph: &Graph, shapes: &[Option<Affine>], root: Id) -> Vec<(
 
 /// The flow of a function of linear functions in involution, if B is affine.
 fn linear_kind(columns: &Columns, term: &Term) -> Option<Kind> {
-    let mut all = Kind::Linear(Vec::new());
+    let mut all = Involution::default();
     for (_, slopes) in &term.functions {
-        let one = Kind::Linear(vec![Linear::new(columns, slopes.clone())?]);
-        if !all.joins(&one) {
-            return None;
+        if all.multiple(slopes).is_none() {
+            let one = Linear::new(columns, slopes.clone())?;
+            if !all.commutes(&one) {
+                return None;
+            }
+            all.push(one);
         }
     }
-    Some(all)
+    Some(Kind::Linear(all))
 }
 
 impl Linear {
     fn new(columns: &Columns, slopes: Affine) -> Option<Self> {
-        let mut field = vec![Affine::default(); columns.len()];
+        let mut field = Field::new();
         for (&k, &slope) in &slopes.slopes {
-            field.iter_mut().zip(&columns[k]).for_each(|(sum, entry)| sum.add(slope, entry));
+            add(&mut field, slope, &columns[k]);
         }
         Some(Self { slopes, blocks: blocks(&field)?, field })
     }
 
     /// c with the field c times another.
     fn over(&self, other: &Self) -> Option<f64> {
-        let moves = other.field.iter().position(|form| !form.is_zero())?;
-        let ratio = self.field[moves].over(&other.field[moves])?;
-        let is_multiple = |(own, other): (&Affine, &Affine)| own.is_multiple(ratio, other);
-        self.field.iter().zip(&other.field).all(is_multiple).then_some(ratio)
+        let (k, form) = other.field.iter().next()?;
+        let ratio = self.field.get(k)?.over(form)?;
+        let mut rest = self.field.clone();
+        add(&mut rest, -ratio, &other.field);
+        rest.is_empty().then_some(ratio)
     }
 
     /// Whether {ℓ, ℓ′} = 0.
     fn commutes(&self, other: &Self) -> bool {
         let mut bracket = Affine::default();
-        for (&k, &slope) in &other.slopes.slopes {
-            bracket.add(slope, &self.field[k]);
+        for (k, &slope) in &other.slopes.slopes {
+            if let Some(form) = self.field.get(k) {
+                bracket.add(slope, form);
+            }
         }
         bracket.is_zero()
     }
 }
 
 /// The blocks of a field, if each has a closed form.
-fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
-    let mut open: BTreeSet<usize> = (0..field.len()).filter(|&k| !field[k].is_zero()).collect();
-    let changes = open.clone();
-    let joined =
-        |i: usize, j: usize| field[i].slopes.contains_key(&j) || field[j].slopes.contains_key(&i);
-    let mut blocks = Vec::new();
-    while let Some(first) = open.pop_first() {
-        let (mut components, mut next) = (vec![first], 0);
-        while next < components.len() {
-            let more: Vec<usize> =
-                open.iter().copied().filter(|&k| joined(components[next], k)).collect();
-            more.iter().for_each(|k| _ = open.remove(k));
-            components.extend(more);
-            next += 1;
-        }
-        components.sort_unstable();
-        // The derivative of forms along the field.
-        let along = |forms: &[Affine]| -> Vec<Affine> {
-            let of = |form: &Affine| {
-                let mut sum = Affine::default();
-                for (&k, &slope) in form.slopes.iter().filter(|(k, _)| changes.contains(k)) {
-                    sum.add(slope, &field[k]);
+fn blocks(field: &Field) -> Option<Vec<Block>> {
+    let moved: Vec<usize> = field.keys().copied().collect();
+    let places = |form: &Affine| {
+        form.slopes.keys().filter_map(|k| moved.binary_search(k).ok()).collect::<Vec<_>>()
+    };
+    // The derivative of forms along the field.
+    let along = |forms: &[Affine]| -> Vec<Affine> {
+        let of = |form: &Affine| {
+            let mut sum = Affine::default();
+            for (k, &slope) in &form.slopes {
+                if let Some(field) = field.get(k) {
+                    sum.add(slope, field);
                 }
-                sum
-            };
-            forms.iter().map(of).collect()
+            }
+            sum
         };
-        let own: Vec<Affine> = components.iter().map(|&k| field[k].clone()).collect();
+        forms.iter().map(of).collect()
+    };
+    let mut blocks = Vec::new();
+    for group in connected(&field.values().map(places).collect::<Vec<_>>()) {
+        let components: Vec<usize> = group.into_iter().map(|n| moved[n]).collect();
+        let own: Vec<Affine> = components.iter().map(|k| field[k].clone()).collect();
         let second = along(&own);
         let third = along(&second);
         let cube = match third.iter().position(|form| !form.is_zero()) {
@@ -350,13 +402,14 @@ fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
 fn vectors(columns: &Columns) -> Vec<Option<[usize; 3]>> {
     // The two components that the field of yₖ turns as y × eₖ does.
     let axis = |k: usize| {
-        let field = &columns[k];
-        let mut moved = (0..field.len()).filter(|&i| !field[i].is_zero());
-        let (i, j, None) = (moved.next()?, moved.next()?, moved.next()) else { return None };
-        let turns = |i: usize, j: usize| {
-            field[i] == Affine::input(j) && field[j] == Affine::input(i).times(-1.0)
+        let mut moved = columns[k].iter();
+        let ((&i, one), (&j, other), None) = (moved.next()?, moved.next()?, moved.next()) else {
+            return None;
         };
-        [[i, j], [j, i]].into_iter().find(|&[i, j]| turns(i, j))
+        if *one == Affine::input(j) && *other == Affine::input(i).times(-1.0) {
+            return Some([i, j]);
+        }
+        (*other == Affine::input(i) && *one == Affine::input(j).times(-1.0)).then_some([j, i])
     };
     let vector = |k: usize| {
         let [i, j] = axis(k)?;
@@ -368,61 +421,71 @@ fn vectors(columns: &Columns) -> Vec<Option<[usize; 3]>> {
 /// Takes the middle one of three squares of a vector under so(3) from all of them: |y|² moves
 /// nothing. Angles are least then, and one part less turns.
 fn spare(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Term>) {
-    let square = |all: &[Term], k: usize| {
-        all.iter().position(|term| match system.graph.node(term.root) {
-            Node::Power(x, 2) => system.graph.node(x) == Node::Input(k as u32),
-            _ => false,
-        })
+    let square = |(n, term): (usize, &Term)| match system.graph.node(term.root) {
+        Node::Power(x, 2) => Some((system.component(x)?, n)),
+        _ => None,
     };
+    let squares: HashMap<usize, usize> = all.iter().enumerate().filter_map(square).collect();
     for vector in vectors.iter().flatten().filter(|[k, i, j]| k < i && k < j) {
-        if let [Some(a), Some(b), Some(c)] = vector.map(|k| square(all, k)) {
+        if let [Some(a), Some(b), Some(c)] = vector.map(|k| squares.get(&k).copied()) {
             let mut factors = [a, b, c].map(|n| all[n].factor);
             factors.sort_unstable_by(f64::total_cmp);
             [a, b, c].iter().for_each(|&n| all[n].factor -= factors[1]);
-            all.retain(|term| term.factor != 0.0);
         }
     }
+    all.retain(|term| term.factor != 0.0);
 }
 
-/// A product of two vectors of so(3) among the terms, which it takes out.
-fn pair(
-    system: &Expressions,
-    vectors: &[Option<[usize; 3]>],
-    all: &mut Vec<Term>,
-) -> Option<Single> {
-    let graph = &system.graph;
-    let product = |i: usize, j: usize, factor: f64| {
-        all.iter().position(|term| {
-            let Node::Binary(Binary::Mul, a, b) = graph.node(term.root) else { return false };
-            let both = [graph.node(a), graph.node(b)];
-            let is = |i: usize, j: usize| both == [i, j].map(|k| Node::Input(k as u32));
-            term.factor == factor && (is(i, j) || is(j, i))
-        })
-    };
-    let found = all.iter().find_map(|term| {
-        let Node::Binary(Binary::Mul, a, b) = graph.node(term.root) else { return None };
-        let (Node::Input(a), Node::Input(b)) = (graph.node(a), graph.node(b)) else { return None };
-        let [one, other] = [(*vectors.get(a as usize)?)?, (*vectors.get(b as usize)?)?];
-        let of = |k: usize| product(one[k], other[k], term.factor);
-        let places = [of(0)?, of(1)?, of(2)?];
-        one.iter().all(|k| !other.contains(k)).then_some((places, [one, other]))
-    });
-    let (mut places, vectors) = found?;
-    places.sort_unstable();
-    let terms = places.into_iter().rev().map(|k| all.remove(k)).collect();
-    Some((terms, Kind::Pairs(vec![vectors])))
+/// The products of two vectors of so(3) among the terms, which it takes out.
+fn pairs(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Term>) -> Vec<Single> {
+    let places: HashMap<[usize; 2], usize> =
+        all.iter().enumerate().filter_map(|(n, term)| Some((product(system, term)?, n))).collect();
+    let (mut found, mut taken) = (Vec::new(), BTreeSet::new());
+    for term in all.iter() {
+        let pair = || {
+            let vectors = product(system, term)?.map(|k| vectors[k]);
+            let [Some(one), Some(other)] = vectors else { return None };
+            let of = |k: usize| {
+                let mut both = [one[k], other[k]];
+                both.sort_unstable();
+                places.get(&both).copied()
+            };
+            let terms = [of(0)?, of(1)?, of(2)?];
+            let is_pair =
+                terms.iter().all(|&n| all[n].factor == term.factor && !taken.contains(&n))
+                    && one.iter().all(|k| !other.contains(k));
+            is_pair.then_some((terms, [one, other]))
+        };
+        if let Some((terms, vectors)) = pair() {
+            taken.extend(terms);
+            let taken = vectors.iter().flatten().copied().collect();
+            found.push((terms, Kind::Pairs { pairs: vec![vectors], taken }));
+        }
+    }
+    let of = |(terms, kind): ([usize; 3], Kind)| (terms.map(|n| all[n].clone()).to_vec(), kind);
+    let found = found.into_iter().map(of).collect();
+    let mut n = 0..;
+    all.retain(|_| !n.next().is_some_and(|n| taken.contains(&n)));
+    found
+}
+
+/// The components, in their order, whose product a term is.
+fn product(system: &Expressions, term: &Term) -> Option<[usize; 2]> {
+    let Node::Binary(Binary::Mul, a, b) = system.graph.node(term.root) else { return None };
+    let mut both = [system.component(a)?, system.component(b)?];
+    both.sort_unstable();
+    Some(both)
 }
 
 /// The flow of a field that reads nothing that it changes, or multiplies what it changes.
 fn kick(system: &mut Expressions, term: &Term) -> Option<Kind> {
     let field = system.field_of_term(term);
-    let changed: BTreeSet<usize> =
-        (0..field.len()).filter(|&k| !system.graph.is_zero(field[k])).collect();
+    let changed: BTreeSet<usize> = field.keys().copied().collect();
     let (mut grown, mut read) = (BTreeSet::new(), BTreeSet::new());
-    for &k in &changed {
-        let mut reads = system.reads(&[field[k]]);
+    for (k, change) in field {
+        let mut reads = system.reads(&[change]);
         if reads.contains(&k) {
-            let rate = system.rate(field[k], k)?;
+            let rate = system.rate(change, k)?;
             reads = system.reads(&[rate]);
             grown.insert(k);
         }
@@ -436,13 +499,11 @@ impl Kind {
     fn joins(&mut self, other: &Self) -> bool {
         match (self, other) {
             (Self::Linear(known), Self::Linear(new)) => {
-                let is_new = |one: &&Linear| {
-                    !known.iter().any(|known| one.slopes.over(&known.slopes).is_some())
-                };
-                let new: Vec<Linear> = new.iter().filter(is_new).cloned().collect();
-                let commute = new.iter().all(|one| known.iter().all(|known| known.commutes(one)));
+                let is_new = |one: &&Linear| known.multiple(&one.slopes).is_none();
+                let new: Vec<Linear> = new.all.iter().filter(is_new).cloned().collect();
+                let commute = new.iter().all(|one| known.commutes(one));
                 if commute {
-                    known.extend(new);
+                    new.into_iter().for_each(|one| known.push(one));
                 }
                 commute
             }
@@ -452,21 +513,21 @@ impl Kind {
                 true
             }
             (Self::Rest, Self::Rest) => true,
-            (Self::Pairs(known), Self::Pairs(new)) => {
-                let new: Vec<_> =
-                    new.iter().filter(|pair| !known.contains(pair)).copied().collect();
-                let sites: BTreeSet<usize> = known.iter().flatten().flatten().copied().collect();
-                let apart = new.iter().flatten().flatten().all(|k| !sites.contains(k));
-                if apart {
-                    known.extend(new);
+            (Self::Pairs { pairs, taken }, Self::Pairs { pairs: new, taken: t }) => {
+                let is_known = new.iter().all(|pair| pairs.contains(pair));
+                let apart = taken.is_disjoint(t);
+                if !is_known && apart {
+                    pairs.extend(new);
+                    taken.extend(t);
                 }
-                apart
+                is_known || apart
             }
             (Self::Kick { changed, grown, read }, Self::Kick { changed: c, grown: g, read: r }) => {
                 // No component both grows and is pushed.
-                let apart = grown.intersection(c).all(|k| g.contains(k))
-                    && g.intersection(changed).all(|k| grown.contains(k))
-                    && changed.union(c).all(|k| !read.contains(k) && !r.contains(k));
+                let apart = c.iter().all(|k| {
+                    !read.contains(k)
+                        && (!changed.contains(k) || grown.contains(k) == g.contains(k))
+                }) && r.iter().all(|k| !changed.contains(k));
                 if apart {
                     changed.extend(c);
                     grown.extend(g);
@@ -482,9 +543,9 @@ impl Kind {
     fn flow(&self, system: &mut Expressions, terms: &[Term]) -> Vec<Id> {
         let mut y = system.states();
         match self {
-            Self::Linear(all) => {
-                let angles: Vec<Id> = all.iter().map(|one| angle(system, one, terms)).collect();
-                for (one, angle) in all.iter().zip(angles) {
+            Self::Linear(known) => {
+                let angles = angles(system, known, terms);
+                for (one, angle) in known.all.iter().zip(angles) {
                     one.turn(&mut system.graph, angle, &mut y);
                 }
             }
@@ -493,14 +554,16 @@ impl Kind {
                 field.turn(&mut system.graph, time, &mut y);
             }
             Self::Rest => {}
-            Self::Pairs(pairs) => {
+            Self::Pairs { pairs, .. } => {
+                let mut of: HashMap<[usize; 2], Vec<Term>> = HashMap::new();
+                for term in terms {
+                    let product = product(system, term).unwrap_or_default();
+                    of.entry(product).or_default().push(term.clone());
+                }
                 for vectors in pairs {
-                    let of_pair = |term: &&Term| {
-                        let reads = system.reads(&[term.root]);
-                        vectors.iter().all(|vector| reads.contains(&vector[0]))
-                    };
-                    let terms: Vec<Term> = terms.iter().filter(of_pair).cloned().collect();
-                    let time = system.weight(&terms);
+                    let mut first = vectors.map(|vector| vector[0]);
+                    first.sort_unstable();
+                    let time = system.weight(&of[&first]);
                     turn_pair(&mut system.graph, time, vectors, &mut y);
                 }
             }
@@ -508,8 +571,7 @@ impl Kind {
                 let zero = system.graph.constant(0.0);
                 let [mut rates, mut changes] = [(); 2].map(|()| vec![zero; y.len()]);
                 for term in terms {
-                    let field = system.field_of_term(term);
-                    for (k, &change) in field.iter().enumerate() {
+                    for (k, change) in system.field_of_term(term) {
                         let rate = grown.contains(&k).then(|| system.rate(change, k)).flatten();
                         let sum = if rate.is_some() { &mut rates[k] } else { &mut changes[k] };
                         *sum = system.graph.add(*sum, rate.unwrap_or(change));
@@ -549,21 +611,21 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
     }
 }
 
-/// The weight of the field of a linear function: Σ w ∂F/∂ℓ over the terms.
-fn angle(system: &mut Expressions, one: &Linear, terms: &[Term]) -> Id {
-    let mut sum = system.graph.constant(0.0);
+/// The weights of the fields of linear functions: Σ w ∂F/∂ℓ over the terms.
+fn angles(system: &mut Expressions, known: &Involution, terms: &[Term]) -> Vec<Id> {
+    let mut sums = vec![system.graph.constant(0.0); known.all.len()];
     for term in terms {
         let roots: Vec<Id> = term.functions.iter().map(|(id, _)| *id).collect();
         let weight = system.weight(from_ref(term));
         let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
-        for ((_, slopes_of), slope) in term.functions.iter().zip(slopes) {
-            if let Some(share) = slopes_of.over(&one.slopes) {
+        for ((_, function), slope) in term.functions.iter().zip(slopes) {
+            if let Some((n, share)) = known.multiple(function) {
                 let share = system.graph.scale(slope, share);
-                sum = system.graph.add(sum, share);
+                sums[n] = system.graph.add(sums[n], share);
             }
         }
     }
-    sum
+    sums
 }
 
 impl Linear {
@@ -575,7 +637,7 @@ impl Linear {
             let angle = graph.scale(time, rate);
             let weights = by_cube(graph, angle, *cube);
             for (&k, second) in components.iter().zip(second) {
-                let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
+                let forms = [self.field[&k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
                 let [first, second] = [0, 1].map(|n| {
                     let form = forms[n].expression(graph, &start);
                     graph.mul(form, weights[n])

@@ -6,6 +6,7 @@ mod definition;
 mod expressions;
 mod flows;
 mod program;
+mod sparse;
 
 use std::{
     ops::Range,
@@ -23,7 +24,7 @@ use systems::{
     },
 };
 
-pub use definition::{Definition, DefinitionError, Which};
+pub use definition::{Definition, DefinitionError, Structure, Which};
 
 use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
@@ -36,6 +37,8 @@ const NODES: usize = 8;
 const MAX_NODES: usize = 16;
 /// Expressions beyond which no more are written out.
 const MAX_EXPRESSIONS: usize = 100_000;
+/// Most components that the linearly implicit step may couple where it is shown to have a solution.
+const MAX_BLOCK: usize = 200;
 
 /// A [`System`] from texts: B, H₀ and Hₘ as formulas in named components and parameters.
 ///
@@ -54,7 +57,7 @@ const MAX_EXPRESSIONS: usize = 100_000;
 ///     state: words(&["y1", "y2", "y3"]),
 ///     vectors: Vec::new(),
 ///     parameters: vec![("c".into(), 0.5)],
-///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])],
+///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])].into(),
 ///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),
 ///     noises: words(&["c*y1^2/2"]),
 /// };
@@ -116,12 +119,17 @@ impl FormulaSystem {
             Linearity::Other => false,
             Linearity::Constant => true,
             Linearity::Affine => {
-                let matrix = expressions.cayley_matrix_tape();
-                shown_solvable(y0.len(), |v| {
-                    let mut entries = vec![0.0; v.len() * v.len()];
-                    matrix.evaluate_one(&[v], &mut entries);
-                    entries.chunks(v.len()).map(Vec::from).collect()
-                })
+                let blocks = expressions.cayley_blocks();
+                let small = blocks.iter().all(|(components, _)| components.len() <= MAX_BLOCK);
+                small
+                    && shown_solvable(y0.len(), |v| {
+                        let of_block = |(components, matrix): &(Vec<usize>, Tape)| {
+                            let mut entries = vec![0.0; components.len().pow(2)];
+                            matrix.evaluate_one(&[v], &mut entries);
+                            entries.chunks(components.len()).map(Vec::from).collect()
+                        };
+                        blocks.iter().map(of_block).collect()
+                    })
             }
         };
         let rule = Rule::new(nodes).expect("a rule has a node or more");
@@ -129,10 +137,11 @@ impl FormulaSystem {
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
         let (dimension, noises) = (definition.state.len(), definition.noises.len());
         let has_guard = expressions.have_domain();
-        let [noises_commute, jacobi_holds] = expressions.clone().commutators(y0);
+        let [noises_commute, jacobi_holds] = expressions.commutators(y0);
         let description = Description {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             linearity,
+            joined: expressions.joined(),
             always_solvable,
             has_guard,
             depends_on_time: expressions.depend_on_time(),
@@ -247,13 +256,13 @@ impl System for FormulaSystem {
     /// formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
         let Formulas { structure, hamiltonians, .. } = &*self.formulas;
-        let mut all = hamiltonians.iter().chain(structure.iter().flatten());
+        let mut all = hamiltonians.iter().chain(structure.iter().map(|(_, entry)| entry));
         let start = [y, &[0.0]].concat();
         let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);
         match all.find(|formula| !at_start(formula).is_finite()) {
             None => Ok(()),
             Some(formula) => {
-                let i = (0..y.len()).find(|&i| formula.depends_on(i)).unwrap_or(0);
+                let i = formula.reads().into_iter().find(|&i| i < y.len()).unwrap_or(0);
                 Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
             }
         }
@@ -273,7 +282,6 @@ impl InTime for Expressed {
     }
 
     fn bounds(&self, time: Bounded) -> Vec<Bounded> {
-        let values = self.graph.values(&self.roots, &[time]);
-        self.roots.iter().map(|root| values[root.index()]).collect()
+        self.graph.values(&self.roots, |_| time)
     }
 }

@@ -208,7 +208,7 @@ impl SchemeBuilder<'_> {
                 let mut system = self.system.clone();
                 let roots = system.averaged_along()?;
                 let inputs = [a, b, u, self.weights.clone()].concat();
-                Some(self.graph.copy(Some(&system.graph), &roots, &inputs))
+                Some(self.graph.copy(Some(&system.graph), &roots, |k| Some(inputs[k])))
             }
             Op::AveragedField { a, b } => {
                 let y = point(&mut self.graph, &a, &b, 0.0);
@@ -224,7 +224,7 @@ impl SchemeBuilder<'_> {
                 groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
                 let [y, u, v] = states;
                 let inputs = [y, u, v, &self.weights].concat();
-                Some(self.graph.copy(Some(&self.system.graph), roots, &inputs))
+                Some(self.graph.copy(Some(&self.system.graph), roots, |k| Some(inputs[k])))
             }
         }
     }

@@ -34,8 +34,8 @@ pub fn hessian(formula: &Formula) -> Tape {
     let (mut graph, count) = (formula.graph.clone(), formula.variables.len());
     let one = graph.constant(1.0);
     let gradient = graph.reverse(&[(formula.root, one)], &Vec::from_iter(0..count));
-    let along: Vec<_> = (0..count).map(|k| (k, graph.input(count + k))).collect();
-    let product = graph.forward(&gradient, &along);
+    let along: Vec<_> = (0..count).map(|k| graph.input(count + k)).collect();
+    let product = graph.forward(&gradient, |k| along.get(k).copied());
     Tape::new(&graph, &product, &[0..count, count..2 * count])
 }
 

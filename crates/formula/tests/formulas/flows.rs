@@ -52,7 +52,7 @@ fn system(
         state: words(names),
         vectors: Vec::new(),
         parameters: Vec::new(),
-        structure,
+        structure: structure.into(),
         energy: energy.into(),
         noises: words(noises),
     };

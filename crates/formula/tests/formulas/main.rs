@@ -7,6 +7,7 @@ mod flows;
 mod fuzz;
 mod grammar;
 mod graph;
+mod large;
 mod panels;
 #[path = "../../examples/paper/mod.rs"]
 mod paper;

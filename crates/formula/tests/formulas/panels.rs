@@ -131,7 +131,7 @@ fn the_panels_of_the_paper_have_the_same_results() {
     check("lotka-volterra-energy", paper::lotka_volterra_2_2(10.0), &two_two, &[100]);
     // With p = q = 1.
     let populations = Definition {
-        structure: vec![vec!["-c".into(), "c".into()], vec!["-c".into()]],
+        structure: vec![vec!["-c".into(), "c".into()], vec!["-c".into()]].into(),
         energy: "y1*y2*y3".into(),
         noises: vec!["y1*y2*y3".into()],
         ..two_two

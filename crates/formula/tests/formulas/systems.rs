@@ -1,6 +1,6 @@
 //! Poisson systems from texts against compiled ones, and what is said about wrong ones.
 
-use formula::{Definition, DefinitionError, FormulaSystem, Which};
+use formula::{Definition, DefinitionError, FormulaSystem, Structure, Which};
 use real::{Row, Rows, WIDTH};
 use systems::{
     Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, SystemError,
@@ -132,7 +132,7 @@ fn bodies(count: usize) -> Definition {
     Definition {
         name: "bodies".into(),
         state: (0..count).flat_map(|body| (0..3).map(move |i| y(body, i))).collect(),
-        structure,
+        structure: structure.into(),
         energy: energy.join(" + "),
         noises: vec![format!("{}^2/2", y(0, 0)), format!("{}*{}", y(0, 1), y(count - 1, 2))],
         ..Definition::default()
@@ -175,7 +175,7 @@ fn harmonic() -> Definition {
         name: "harmonic".into(),
         state: words(&["p", "q"]),
         parameters: vec![("c".into(), 2.0)],
-        structure: vec![words(&["0", "-c*q"]), words(&["c*q", "0"])],
+        structure: vec![words(&["0", "-c*q"]), words(&["c*q", "0"])].into(),
         energy: "(p^2 + q^2)/2".into(),
         noises: words(&["q"]),
         ..Definition::default()
@@ -188,29 +188,41 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
     FormulaSystem::new(&definition, &[3.0, 4.0]).err().expect("an error")
 }
 
+/// The rows of B.
+fn texts(definition: &mut Definition) -> &mut Vec<Vec<String>> {
+    match &mut definition.structure {
+        Structure::Rows(rows) => rows,
+        Structure::Entries(_) => unreachable!("it has rows"),
+    }
+}
+
 #[test]
 fn wrong_definitions_are_named() {
     type Change = fn(&mut Definition);
-    let table: [(Change, &str); 12] = [
+    let table: [(Change, &str); 13] = [
+        (
+            |d| d.structure = Structure::Entries([((1, 0), "c*q".into())].into()),
+            "entries of B have a row below their column, which is below 2, got row 1, column 0",
+        ),
         (|d| d.state[1] = "p".into(), "`p` is given twice, or a constant"),
         (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),
         (|d| d.state.truncate(1), "the initial value must have 1 components, got 2"),
         (
-            |d| d.structure[1].truncate(1),
+            |d| texts(d)[1].truncate(1),
             "B must have 2 rows of 2 entries, or its entries above \
              the diagonal in rows of 1 to 1; its rows have [2, 1]",
         ),
         (
-            |d| d.structure[0][1] = "-c*q + 2r".into(),
+            |d| texts(d)[0][1] = "-c*q + 2r".into(),
             "B, row 1, column 2: line 1, column 9: an operator is missing: write 2*r\n  \
              -c*q + 2r\n          ^",
         ),
         (
-            |d| d.structure[1][0] = "c*p".into(),
+            |d| texts(d)[1][0] = "c*p".into(),
             "B is not skew: row 1, column 2 is -8, and row 2, column 1 is 6, at y = [3.0, 4.0]",
         ),
         (
-            |d| d.structure[0][0] = "p".into(),
+            |d| texts(d)[0][0] = "p".into(),
             "B is not skew: row 1, column 1 is 3, and row 1, column 1 is 3, at y = [3.0, 4.0]",
         ),
         (
@@ -231,7 +243,7 @@ fn wrong_definitions_are_named() {
             "H, noise 1: line 1, column 1: unknown name `qq`; the nearest is `q`\n  qq\n  ^^",
         ),
         (
-            |d| d.structure[0][1] = "1/(p - 3)".into(),
+            |d| texts(d)[0][1] = "1/(p - 3)".into(),
             "B, row 1, column 2: line 1, column 1: this is inf for 1 and 0 at the initial \
              value\n  1/(p - 3)\n  ^^^^^^^^^",
         ),
@@ -251,7 +263,7 @@ fn wrong_definitions_are_named() {
 fn skewness_is_found_where_only_numbers_show_it() {
     let system = |entry: &str| {
         let structure = vec![words(&["0", "(p + q)^2"]), words(&[entry, "0"])];
-        FormulaSystem::new(&Definition { structure, ..harmonic() }, &[3.0, 4.0])
+        FormulaSystem::new(&Definition { structure: structure.into(), ..harmonic() }, &[3.0, 4.0])
     };
     assert!(system("-p^2 - q*(2*p + q)").is_ok());
     let error = system("-p^2 - q*(2*p + q*1.0000001)").err().unwrap();
@@ -300,7 +312,7 @@ fn jacobi_is_shown_or_not() {
     let definition = |structure: [&[&str]; 2], noises: &[&str]| Definition {
         name: "three".into(),
         state: words(&["x", "y", "z"]),
-        structure: structure.map(words).to_vec(),
+        structure: structure.map(words).to_vec().into(),
         energy: "x^2/2 + y^2 + z".into(),
         noises: words(noises),
         ..Definition::default()
@@ -323,7 +335,7 @@ fn jacobi_is_shown_or_not() {
 fn conditions_are_refused_where_derivatives_are_needed() {
     let definition = |entry: &str, energy: &str| Definition {
         state: vec!["q".into(), "p".into()],
-        structure: vec![vec![entry.into()]],
+        structure: vec![vec![entry.into()]].into(),
         energy: energy.into(),
         ..Definition::default()
     };

@@ -30,8 +30,11 @@ pub struct Candidates {
     pub complete: bool,
 }
 
-/// Point y with the matrix B(y).
-type AtPoint = (Vec<f64>, Matrix);
+/// Largest number of components of a system whose Casimirs are searched: a form has D² numbers.
+pub const MAX_SEARCHED: usize = 512;
+
+/// Point y with the blocks of B(y) on the parts of the state.
+type AtPoint = (Vec<f64>, Vec<Matrix>);
 
 /// Solves B(y)∇C(y) = 0 for the coefficients of C in each part of the state that B does not join
 /// with others. `points` gives more points with each call, if it has any.
@@ -40,18 +43,27 @@ pub fn casimirs(
     mut points: impl FnMut(&mut Probe<'_>) -> Batch,
 ) -> Candidates {
     let d = probe.dimension();
-    let mut more = |probe: &mut Probe<'_>| -> Vec<AtPoint> {
-        let y = points(probe);
-        let matrices = probe.matrix(&y);
-        y.into_iter().zip(matrices).collect()
+    if d > MAX_SEARCHED {
+        return Candidates::default();
+    }
+    let y = points(probe);
+    let parts = match &probe.description().joined[..] {
+        [] => parts(probe, &y),
+        joined => joined.to_vec(),
     };
-    let first = more(probe);
+    let blocks = |probe: &mut Probe<'_>, y: Batch| -> Vec<AtPoint> {
+        let blocks = blocks(probe, &y, &parts);
+        y.into_iter().zip(blocks).collect()
+    };
+    let first = blocks(probe, y);
     let mut states = first.clone();
     let mut found = [const { Vec::new() }; 3];
     let mut complete = true;
-    for part in parts(probe, &first) {
+    for (n, part) in parts.iter().enumerate() {
         let size = part.len();
-        let (ones, least) = null_space(equations(&part, &first, |b, _| b.to_vec()), size, ZERO);
+        let all: Vec<usize> = (0..size).collect();
+        let ones = equations((n, &all), &first, |b, _| b.to_vec());
+        let (ones, least) = null_space(ones, size, ZERO);
         complete &= least > CLEAR;
         let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
         let mut twos = Matrix::new();
@@ -59,24 +71,24 @@ pub fn casimirs(
             complete = false;
         } else if probe.description().linearity != Linearity::Constant && rank > 0 {
             while states.len() * rank < SURPLUS * unknowns {
-                let new = more(probe);
+                let new = points(probe);
                 if new.is_empty() {
                     complete = false;
                     break;
                 }
-                states.extend(new);
+                states.extend(blocks(probe, new));
             }
-            let rows = equations(&part, &states, |b, y| quadratic_row(&part, b, y));
+            let rows = equations((n, &all), &states, |b, y| quadratic_row(part, b, y));
             let (found, least) = null_space(rows, unknowns, ZERO);
             complete &= least > CLEAR;
             twos = beyond(found, products(&ones, size));
         }
         // Components that are Casimirs by themselves have logarithms that are nothing new.
-        let moves = |j: &usize| first.iter().flat_map(|(_, b)| b).any(|row| row[*j] != 0.0);
+        let moves = |j: &usize| first.iter().flat_map(|(_, b)| &b[n]).any(|row| row[*j] != 0.0);
         let moving: Vec<usize> =
-            part.iter().copied().filter(moves).filter(|_| size <= LOGARITHMS).collect();
-        let of_logarithms = equations(&moving, &first, |b, y| {
-            without_own(b, &moving.iter().map(|&j| y[j]).collect::<Vec<_>>())
+            all.iter().copied().filter(moves).filter(|_| size <= LOGARITHMS).collect();
+        let of_logarithms = equations((n, &moving), &first, |b, y| {
+            without_own(b, &moving.iter().map(|&j| y[part[j]]).collect::<Vec<_>>())
         });
         let (logarithms, _) = null_space(of_logarithms, moving.len(), ZERO);
         let whole = |degree: u32, x: Vec<f64>| {
@@ -88,8 +100,8 @@ pub fn casimirs(
                     coefficients[part[l] * d + part[k]] = c;
                 }),
                 _ => {
-                    let places = if degree == 0 { &moving } else { &part };
-                    places.iter().zip(x).for_each(|(i, c)| coefficients[*i] = c);
+                    let places = if degree == 0 { &moving } else { &all };
+                    places.iter().zip(x).for_each(|(i, c)| coefficients[part[*i]] = c);
                 }
             }
             Form { degree, coefficients }
@@ -102,17 +114,16 @@ pub fn casimirs(
 }
 
 /// The parts of the state that B joins: by an entry, or by what an entry depends on.
-fn parts(probe: &mut Probe<'_>, points: &[AtPoint]) -> Vec<Vec<usize>> {
+fn parts(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let d = probe.dimension();
-    let y: Batch = points.iter().map(|(y, _)| y.clone()).collect();
     let mut label: Vec<usize> = (0..d).collect();
     // A vector without special ratios.
     let v: Vec<f64> = (0..d).map(|i| sin(1.0 + 0.7 * i as f64)).collect();
     for j in 0..d {
-        let along = probe.structure_along(&y, &[axis(d, j)], std::slice::from_ref(&v));
-        let moves = |i: &usize| {
-            points.iter().any(|(_, b)| b[*i][j] != 0.0) || along.iter().any(|out| out[*i] != 0.0)
-        };
+        let axis = [axis(d, j)];
+        let column = probe.structure(y, &axis);
+        let along = probe.structure_along(y, &axis, std::slice::from_ref(&v));
+        let moves = |i: &usize| column.iter().chain(&along).any(|out| out[*i] != 0.0);
         for i in (0..d).filter(moves) {
             let (one, other) = (label[i], label[j]);
             label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
@@ -122,18 +133,34 @@ fn parts(probe: &mut Probe<'_>, points: &[AtPoint]) -> Vec<Vec<usize>> {
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
 }
 
-/// Equations bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one;
-/// `row` gives the equation from b and y.
+/// The blocks of B at each point. Columns of different parts are computed at once.
+fn blocks(probe: &mut Probe<'_>, y: &[Vec<f64>], parts: &[Vec<usize>]) -> Vec<Vec<Matrix>> {
+    let zero = |part: &Vec<usize>| vec![vec![0.0; part.len()]; part.len()];
+    let mut blocks: Vec<Vec<Matrix>> = vec![parts.iter().map(zero).collect(); y.len()];
+    for k in 0..parts.iter().map(Vec::len).max().unwrap_or(0) {
+        let mut v = vec![0.0; probe.dimension()];
+        parts.iter().filter_map(|part| part.get(k)).for_each(|&j| v[j] = 1.0);
+        for (blocks, column) in blocks.iter_mut().zip(probe.structure(y, &[v])) {
+            for (block, part) in blocks.iter_mut().zip(parts).filter(|(_, part)| k < part.len()) {
+                block.iter_mut().zip(part).for_each(|(row, &i)| row[k] = column[i]);
+            }
+        }
+    }
+    blocks
+}
+
+/// Equations bᵀ∇C(y) = 0 for every row b of B(y) on components of a part, at all points, as rows
+/// of length one; `row` gives the equation from b and y.
 fn equations(
-    part: &[usize],
+    (part, components): (usize, &[usize]),
     points: &[AtPoint],
     row: impl Fn(&[f64], &[f64]) -> Vec<f64>,
 ) -> Matrix {
     let mut rows = Matrix::new();
-    for (y, b) in points {
-        let noise = NOISE * largest(b.iter().flatten());
-        for b in b {
-            let b: Vec<f64> = part.iter().map(|&j| b[j]).collect();
+    for (y, blocks) in points {
+        let noise = NOISE * largest(blocks.iter().flatten().flatten());
+        for b in &blocks[part] {
+            let b: Vec<f64> = components.iter().map(|&j| b[j]).collect();
             let row = if norm(&b) > noise { row(&b, y) } else { continue };
             let length = norm(&row);
             if length > 0.0 {

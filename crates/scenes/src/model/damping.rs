@@ -212,7 +212,7 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
             return Err(Wrong::in_formula(rate, &error, message));
         }
     }
-    if !formula.depends_on(0) {
+    if formula.reads().is_empty() {
         return Ok(constant(formula.value(&[0.0])));
     }
     let damping = FormulaDamping::new(formula);

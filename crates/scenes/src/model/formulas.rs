@@ -15,11 +15,12 @@ use super::{
 };
 use crate::{
     At, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text, Wrong,
-    place as place_of, refuse, structure as entries,
+    place as place_of, refuse, structure as texts,
 };
 
-/// Bytes of an entry of B.
+/// Bytes of an entry of B, and those of what is made of a component.
 const ENTRY: f64 = 2e3;
+const COMPONENT: f64 = 3e4;
 
 /// Builds the model of a system from formulas.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
@@ -46,14 +47,19 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let words = |text: &At<Text>| text.0.clone();
     let state = State::new(state)?;
     let d = state.components.len();
-    demand(format!("a matrix B for {d} components"), ENTRY * (d * d) as f64)
+    let entries = match &**structure {
+        Listed::List(rows) => rows.iter().map(|row| row.len()).sum(),
+        Listed::Text(_) => 0,
+    };
+    let memory = ENTRY * entries as f64 + COMPONENT * d as f64;
+    demand(format!("the formulas of {d} components"), memory)
         .map_err(|error| Wrong::new(structure, error))?;
     let mut definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
         state: state.components.iter().map(|name| name.to_string()).collect(),
         vectors: state.vectors.clone(),
         parameters: constants.numbers.clone(),
-        structure: entries((&state, &constants.names), structure)?,
+        structure: texts((&state, &constants.names), structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };

@@ -183,6 +183,9 @@ impl Model for AtRunTime {
     }
 }
 
+/// Largest number of components whose equations are printed.
+const MAX_LINES: usize = 100;
+
 /// Facts about a system that are found within milliseconds.
 #[derive(Clone, Default)]
 pub struct Known {
@@ -195,11 +198,16 @@ pub struct Known {
 }
 
 impl Known {
-    /// The equation as lines; empty for a system of the project.
+    /// The equation as lines, of a large system the first; empty for a system of the project.
     pub fn equation(&self) -> String {
-        match self.equations[..] {
+        let shown = &self.equations[..self.equations.len().min(MAX_LINES)];
+        let more = match self.equations.len() - shown.len() {
+            0 => String::new(),
+            more => format!("  and of {more} more components\n"),
+        };
+        match shown {
             [] => String::new(),
-            _ => format!("The equation as it was understood\n  {}\n", self.equations.join("\n  ")),
+            _ => format!("The equation as it was understood\n  {}\n{more}", shown.join("\n  ")),
         }
     }
 

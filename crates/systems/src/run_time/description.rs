@@ -99,6 +99,9 @@ pub struct Description {
     pub layout: Layout,
     /// Dependence of B on y.
     pub linearity: Linearity,
+    /// Components in groups that B joins, by an entry or by what an entry reads; empty if they are
+    /// not known.
+    pub joined: Vec<Vec<usize>>,
     /// Whether z = y + B((y+z)/2)·v has a solution for every v, see
     /// [`always_solvable`](crate::always_solvable).
     pub always_solvable: bool,
@@ -140,6 +143,7 @@ impl Description {
             noises,
             layout: Layout::paths(dimension, noises),
             linearity: Linearity::Other,
+            joined: Vec::new(),
             always_solvable: false,
             rule,
             depends_on_time: false,

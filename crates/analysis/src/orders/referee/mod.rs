@@ -48,7 +48,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// let walk = Definition {
 ///     name: "walk".into(),
 ///     state: words(&["y", "z"]),
-///     structure: vec![words(&["1"])],
+///     structure: vec![words(&["1"])].into(),
 ///     energy: "0".into(),
 ///     noises: words(&["z"]),
 ///     ..Definition::default()

@@ -1,0 +1,36 @@
+//! Vectors and matrices that are mostly zero.
+
+use std::collections::BTreeMap;
+
+use expression::{Graph, Id};
+
+/// Components of a vector that are not zero.
+pub type Sparse = BTreeMap<usize, Id>;
+
+/// Σ uₖvₖ.
+pub fn dot(graph: &mut Graph, u: &Sparse, v: &Sparse) -> Id {
+    let both = u.iter().filter_map(|(k, &u)| Some((u, *v.get(k)?)));
+    let (u, v): (Vec<Id>, Vec<Id>) = both.unzip();
+    graph.dot(&u, &v)
+}
+
+/// Numbers 0, 1, … in groups that are joined, each to those of its list.
+pub fn connected(joined: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let mut neighbours = joined.to_vec();
+    for (i, list) in joined.iter().enumerate() {
+        list.iter().for_each(|&j| neighbours[j].push(i));
+    }
+    let (mut seen, mut groups) = (vec![false; joined.len()], Vec::new());
+    for first in 0..joined.len() {
+        let (mut open, mut group) = (vec![first], Vec::new());
+        while let Some(k) = open.pop() {
+            if !std::mem::replace(&mut seen[k], true) {
+                group.push(k);
+                open.extend(&neighbours[k]);
+            }
+        }
+        group.sort_unstable();
+        groups.extend((!group.is_empty()).then_some(group));
+    }
+    groups
+}
