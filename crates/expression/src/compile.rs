@@ -10,6 +10,9 @@ use crate::{
     uniform::{Numbers, ONE, uniform},
 };
 
+/// Expressions whose values, 256 bytes each, fit into the cache of a core.
+const SHORT: usize = 4000;
+
 /// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k
 /// is at `input(k)`, unless it is one of the `uniform_inputs`, which are the same at all points.
 pub fn compile(
@@ -24,7 +27,9 @@ pub fn compile(
     let taken = steps.iter().flatten().flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
-    let order = by_results(&steps, &outputs);
+    // Values of few expressions stay in the cache, and neighbours of one age wait for no other.
+    let is_short = graph.size() <= SHORT;
+    let order = if is_short { graph.ids().collect() } else { by_results(&steps, &outputs) };
     let mut last_use = vec![0; graph.size()];
     for (n, &id) in order.iter().enumerate() {
         let operands = steps[id.index()].iter().flat_map(|step| &step.operands);
@@ -39,7 +44,7 @@ pub fn compile(
     for (n, &id) in order.iter().enumerate() {
         let index = id.index();
         let Some(step) = &steps[index] else {
-            if let Node::Input(k) = graph.node(id) {
+            if let (Node::Input(k), false) = (graph.node(id), uniform[index]) {
                 let place = input(k as usize);
                 homes[index] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
             }
