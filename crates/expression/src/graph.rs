@@ -185,7 +185,7 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// The bytes of a text where an expression was made first.
+    /// The bytes of a text where each of the first expressions was made first.
     places: Vec<Option<Range<usize>>>,
     ids: HashMap<Node, Id>,
     place: Option<Range<usize>>,
@@ -221,14 +221,17 @@ impl Graph {
 
     /// The place where an expression was made first.
     pub fn place(&self, id: Id) -> Option<Range<usize>> {
-        self.places[id.index()].clone()
+        self.places.get(id.index()).cloned().flatten()
     }
 
     /// Makes an expression as it stands, without any identity.
     pub fn intern(&mut self, node: Node) -> Id {
         *self.ids.entry(node).or_insert_with(|| {
             self.nodes.push(node);
-            self.places.push(self.place.clone());
+            if let Some(place) = &self.place {
+                self.places.resize(self.nodes.len(), None);
+                self.places[self.nodes.len() - 1] = Some(place.clone());
+            }
             Id(self.nodes.len() as u32 - 1)
         })
     }

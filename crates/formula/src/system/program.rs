@@ -15,6 +15,9 @@ use super::{
 };
 use expression::{Graph, Id, Numbers, Tape};
 
+/// Expressions for each component beyond which a formula of a large system is no tape of its own.
+const MAX_PER_COMPONENT: usize = 200;
+
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
 pub struct Programs(Mutex<Vec<(Key, Option<Arc<SchemeTape>>)>>);
@@ -121,6 +124,7 @@ impl SchemeTape {
         let end = areas + number_of_areas(system.noises);
         let more = (noise..end).chain([t]).map(|k| graph.input(k));
         let weights = once(dt).chain(more).collect();
+        let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * system.dimension);
         let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
@@ -128,7 +132,7 @@ impl SchemeTape {
             let state = builder.state(node, factor)?;
             builder.states.push(state);
             // One operation may be longer.
-            if builder.graph.size() > MAX_EXPRESSIONS && nodes.len() > inputs + 1 {
+            if builder.graph.size() > most && nodes.len() > inputs + 1 {
                 return None;
             }
         }
