@@ -9,8 +9,6 @@ use std::{
 use real::{Degree, Real};
 use {Binary::*, Unary::*};
 
-use crate::functions;
-
 /// An expression of a [`Graph`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Id(u32);
@@ -65,16 +63,16 @@ impl Unary {
     pub fn value<R: Real>(self, x: R) -> R {
         match self {
             Neg => -x,
-            Abs => functions::abs(x),
+            Abs => Real::abs(x),
             Sqrt => x.sqrt(),
             Exp => x.exp(),
             Ln => x.ln(),
             Sin => x.sin(),
             Cos => x.cos(),
-            Tan => functions::tan(x),
-            Sinh => functions::sinh(x),
-            Cosh => functions::cosh(x),
-            Tanh => functions::tanh(x),
+            Tan => Real::tan(x),
+            Sinh => Real::sinh(x),
+            Cosh => Real::cosh(x),
+            Tanh => Real::tanh(x),
             Sinc => x.sinc(),
         }
     }
@@ -111,8 +109,8 @@ impl Binary {
             Sub => a - b,
             Mul => a * b,
             Div => a / b,
-            Min => functions::min(a, b),
-            Max => functions::max(a, b),
+            Min => Real::min(a, b),
+            Max => Real::max(a, b),
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The instructions of a tape, and the loop that runs them.
 
-use crate::{functions, graph::Unary};
+use real::Real;
+
+use crate::graph::Unary;
 
 /// An operation on rows a, …, d and numbers k, l, m, see [`run`]. Every product and every sum is
 /// rounded: there is no fused multiply-add. A factor that is not wanted is one, and a difference is
@@ -113,8 +115,8 @@ pub fn run<const W: usize>(
             Div, [a b], [] => a / b;
             NumberDiv, [a], [k] => k / a;
             DivNumber, [a], [k] => a / k;
-            Min, [a b], [] => functions::min(a, b);
-            Max, [a b], [] => functions::max(a, b);
+            Min, [a b], [] => Real::min(a, b);
+            Max, [a b], [] => Real::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
             Add, [a b], [k _l m] => (a + b * m) * k;
             ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;

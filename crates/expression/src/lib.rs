@@ -25,7 +25,6 @@
 mod affine;
 mod compile;
 mod derivative;
-mod functions;
 mod graph;
 mod instruction;
 mod join;

@@ -47,6 +47,7 @@ mod dispatch;
 mod dual;
 pub mod elementary;
 mod factored;
+mod functions;
 mod golden;
 mod number;
 mod operator;

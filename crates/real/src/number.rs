@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::elementary;
+use crate::{elementary, functions};
 
 /// A number type that formulas are written for: arithmetic and elementary functions.
 ///
@@ -96,6 +96,41 @@ pub trait Real:
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
         (self.ln() * p).exp()
+    }
+    /// tan x = sin x/cos x.
+    #[inline(always)]
+    fn tan(self) -> Self {
+        functions::tan(self)
+    }
+    /// sinh x: a series for |x| < 1, else ½(eˣ − e⁻ˣ). Infinite for |x| > 709.78.
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        functions::sinh(self)
+    }
+    /// cosh x = ½(eˣ + e⁻ˣ). Infinite for |x| > 709.78.
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        functions::cosh(self)
+    }
+    /// tanh x = sinh x/cosh x. It is ±1 from |x| = 20 on, where 1 − |tanh x| < 2⁻⁵³.
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        functions::tanh(self)
+    }
+    /// |x|.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        functions::abs(self)
+    }
+    /// The smaller number; NaN if either is.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        functions::min(self, other)
+    }
+    /// The larger number; NaN if either is.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        functions::max(self, other)
     }
 }
 

@@ -1,15 +1,13 @@
-//! Functions of numbers that `real` does not have, without branches.
+//! Further functions of numbers of any type, without branches.
 
-use real::Real;
+use crate::Real;
 
-/// |x|.
 #[inline(always)]
 pub fn abs<R: Real>(x: R) -> R {
     // The sum makes −0 to 0.
     R::where_less(x, R::zero(), -x, x + 0.0)
 }
 
-/// tan x = sin x/cos x.
 #[inline(always)]
 pub fn tan<R: Real>(x: R) -> R {
     let (sin, cos) = x.sin_cos();
@@ -45,19 +43,16 @@ fn sinh_cosh<R: Real>(x: R, size: R) -> (R, R) {
     (R::where_less(size, R::one(), short, long), (up + down) * 0.5)
 }
 
-/// sinh x: a series for |x| < 1, else ½(eˣ − e⁻ˣ). Infinite for |x| > 709.78.
 #[inline(always)]
 pub fn sinh<R: Real>(x: R) -> R {
     sinh_cosh(x, abs(x)).0
 }
 
-/// cosh x = ½(eˣ + e⁻ˣ). Infinite for |x| > 709.78.
 #[inline(always)]
 pub fn cosh<R: Real>(x: R) -> R {
     sinh_cosh(x, abs(x)).1
 }
 
-/// tanh x = sinh x/cosh x. It is ±1 from |x| = 20 on, where 1 − |tanh x| < 2⁻⁵³.
 #[inline(always)]
 pub fn tanh<R: Real>(x: R) -> R {
     let (size, most) = (abs(x), R::constant(20.0));
@@ -65,13 +60,11 @@ pub fn tanh<R: Real>(x: R) -> R {
     sinh / cosh
 }
 
-/// The smaller number; NaN if either is.
 #[inline(always)]
 pub fn min<R: Real>(a: R, b: R) -> R {
     unless_nan(a, R::where_less(a, b, a, b))
 }
 
-/// The larger number; NaN if either is.
 #[inline(always)]
 pub fn max<R: Real>(a: R, b: R) -> R {
     unless_nan(a, R::where_less(b, a, a, b))
