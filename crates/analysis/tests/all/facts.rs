@@ -35,6 +35,10 @@ fn casimirs_and_energies_of_known_systems() {
     // B of Lotka and Volterra's equations has a Casimir that is no polynomial.
     let prey = of(&["x*y x*z", "y*z"], "x + y + z", &["x"], 0.0);
     assert!(formulas(&prey).is_empty());
+    // The oscillator's algebra: a component that moves nothing is in the Casimir of others.
+    let algebra = texts("z h q p", &["0 0 0", "p -q", "z"], "h + q^2", &[]);
+    let algebra = facts(&algebra, 0.0, &[0.5, 0.1, 0.2, 0.3]);
+    assert_eq!(formulas(&algebra), ["y1", "0.5 y3² + 0.5 y4² + y1 y2"]);
     // Rank two in six dimensions: few equations at a point, and no quadratic Casimir but (p·z).
     let rows = ["1+c^2 0 0 0 0", "0 0 0 0", "0 0 0", "0 0", "0"];
     let low = texts("a b c d e f", &rows, "a^2 + b^2", &[]);

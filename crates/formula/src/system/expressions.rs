@@ -553,7 +553,6 @@ impl Expressions {
             row.values_mut().for_each(|entry| *entry = self.graph.scale(*entry, -0.5));
             let diagonal = row.get(&i).map_or(one[0], |&entry| self.graph.add(entry, one[0]));
             row.insert(i, diagonal);
-            row.retain(|_, entry| !self.graph.is_zero(*entry));
             matrix.push(row);
         }
         Some(matrix)

@@ -12,10 +12,7 @@ use std::{
     slice::from_ref,
 };
 
-use super::{
-    expressions::{Entry, Expressions},
-    sparse::connected,
-};
+use super::expressions::{Entry, Expressions};
 use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, place, terms};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
@@ -62,7 +59,7 @@ struct Linear {
     slopes: Affine,
     /// B(y)∇ℓ.
     field: Field,
-    blocks: Vec<Block>,
+    motions: Vec<Motion>,
 }
 
 /// The components of a field that are not zero.
@@ -101,14 +98,14 @@ impl Involution {
     }
 }
 
-/// Components that a linear field couples, x′ = Kx + …, with K³ = cK.
+/// A component x whose third derivative along the field is c times its first.
 #[derive(Clone)]
-struct Block {
-    components: Vec<usize>,
+struct Motion {
+    component: usize,
     /// c.
     cube: f64,
-    /// K times the field.
-    second: Vec<Affine>,
+    /// The second derivative of x.
+    second: Affine,
 }
 
 impl Part {
@@ -120,7 +117,7 @@ impl Part {
     /// Name of the form in words.
     pub fn kind(&self) -> &'static str {
         let is = |cube: fn(f64) -> bool, all: &[Linear]| {
-            all.iter().flat_map(|one| &one.blocks).any(|block| cube(block.cube))
+            all.iter().flat_map(|one| &one.motions).any(|motion| cube(motion.cube))
         };
         match &self.kind {
             Kind::Pairs { .. } => "turn of pairs",
@@ -257,8 +254,8 @@ fn quadratic(
             add(&mut field, entry.constant, &Field::from([(i, slope.clone())]));
         }
     }
-    let field = Linear { slopes: Affine::default(), blocks: blocks(&field)?, field };
-    let cubes = || field.blocks.iter().map(|block| block.cube);
+    let field = Linear { slopes: Affine::default(), motions: motions(&field)?, field };
+    let cubes = || field.motions.iter().map(|motion| motion.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
         return None;
     }
@@ -336,7 +333,7 @@ impl Linear {
         for (&k, &slope) in &slopes.slopes {
             add(&mut field, slope, &columns[k]);
         }
-        Some(Self { slopes, blocks: blocks(&field)?, field })
+        Some(Self { slopes, motions: motions(&field)?, field })
     }
 
     /// c with the field c times another.
@@ -360,41 +357,29 @@ impl Linear {
     }
 }
 
-/// The blocks of a field, if each has a closed form.
-fn blocks(field: &Field) -> Option<Vec<Block>> {
-    let moved: Vec<usize> = field.keys().copied().collect();
-    let places = |form: &Affine| {
-        form.slopes.keys().filter_map(|k| moved.binary_search(k).ok()).collect::<Vec<_>>()
-    };
-    // The derivative of forms along the field.
-    let along = |forms: &[Affine]| -> Vec<Affine> {
-        let of = |form: &Affine| {
-            let mut sum = Affine::default();
-            for (k, &slope) in &form.slopes {
-                if let Some(field) = field.get(k) {
-                    sum.add(slope, field);
-                }
+/// The motion of each component, if it has a closed form.
+fn motions(field: &Field) -> Option<Vec<Motion>> {
+    // The derivative of a form along the field.
+    let along = |form: &Affine| {
+        let mut sum = Affine::default();
+        for (k, &slope) in &form.slopes {
+            if let Some(field) = field.get(k) {
+                sum.add(slope, field);
             }
-            sum
-        };
-        forms.iter().map(of).collect()
-    };
-    let mut blocks = Vec::new();
-    for group in connected(&field.values().map(places).collect::<Vec<_>>()) {
-        let components: Vec<usize> = group.into_iter().map(|n| moved[n]).collect();
-        let own: Vec<Affine> = components.iter().map(|k| field[k].clone()).collect();
-        let second = along(&own);
-        let third = along(&second);
-        let cube = match third.iter().position(|form| !form.is_zero()) {
-            None => 0.0,
-            Some(k) => third[k].over(&own[k])?,
-        };
-        if !third.iter().zip(&own).all(|(third, own)| third.is_multiple(cube, own)) {
-            return None;
         }
-        blocks.push(Block { components, cube, second });
+        sum
+    };
+    let mut motions = Vec::new();
+    for (&component, first) in field {
+        let second = along(first);
+        let third = along(&second);
+        // That of the component before saves a sine and a cosine.
+        let known = motions.last().map(|known: &Motion| known.cube);
+        let known = known.filter(|&cube| third.is_multiple(cube, first));
+        let cube = if third.is_zero() { 0.0 } else { known.or(third.over(first))? };
+        motions.push(Motion { component, cube, second });
     }
-    Some(blocks)
+    Some(motions)
 }
 
 /// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k
@@ -632,19 +617,17 @@ impl Linear {
     /// Advances y by the flow of the field for a time.
     fn turn(&self, graph: &mut Graph, time: Id, y: &mut [Id]) {
         let start = y.to_vec();
-        for Block { components, cube, second } in &self.blocks {
+        for Motion { component: k, cube, second } in &self.motions {
             let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
             let angle = graph.scale(time, rate);
             let weights = by_cube(graph, angle, *cube);
-            for (&k, second) in components.iter().zip(second) {
-                let forms = [self.field[&k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
-                let [first, second] = [0, 1].map(|n| {
-                    let form = forms[n].expression(graph, &start);
-                    graph.mul(form, weights[n])
-                });
-                let change = graph.add(first, second);
-                y[k] = graph.add(start[k], change);
-            }
+            let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
+            let [first, second] = [0, 1].map(|n| {
+                let form = forms[n].expression(graph, &start);
+                graph.mul(form, weights[n])
+            });
+            let change = graph.add(first, second);
+            y[*k] = graph.add(start[*k], change);
         }
     }
 }

@@ -199,7 +199,11 @@ fn texts(definition: &mut Definition) -> &mut Vec<Vec<String>> {
 #[test]
 fn wrong_definitions_are_named() {
     type Change = fn(&mut Definition);
-    let table: [(Change, &str); 13] = [
+    let table: [(Change, &str); 14] = [
+        (
+            |d| d.structure = Structure::Entries([((0, 2), "c*q".into())].into()),
+            "entries of B have a row below their column, which is below 2, got row 0, column 2",
+        ),
         (
             |d| d.structure = Structure::Entries([((1, 0), "c*q".into())].into()),
             "entries of B have a row below their column, which is below 2, got row 1, column 0",
