@@ -89,6 +89,8 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
         (system(&PLANE, canonical(1), "p^2/2 - cos(q)", &["0.3*q"]), 2),
         (system(&PLANE, canonical(1), "p^2/3 + (q^2 - 1)^2", &["0.3*sin(q)", "0.1*p"]), 2),
         (system(&PLANE, canonical(1), "p^2/2 + q^2/2 + cos(3*t)*q", &["t*q"]), 2),
+        // p grows at a constant rate, and q at the rate p.
+        (system(&PLANE, matrix(2, &[(0, 1, "q*p")]), "ln(q) + p", &["0.1*ln(p)"]), 2),
         (system(&TWO, canonical(2), "(p1^2 + p2^2)/2 + q1^2*q2 - q2^3/3", &["0.1*q1"]), 2),
         (system(&THREE, canonical(3), "(p1^2 + p2^2 + p3^2)/2 + exp(q1-q2) + exp(q2-q3)", &[]), 2),
         (system(&TWO, magnetic, "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 2),
@@ -298,7 +300,7 @@ fn nv_on_a_text_is_nv_on_the_body() {
 #[test]
 fn flows_keep_casimirs_and_nearly_energies() {
     let at = |k: usize, y: &[Row]| y[k][7];
-    for (system, _) in systems().into_iter().skip(6) {
+    for (system, _) in systems().into_iter().skip(7) {
         let (d, name) = (system.description().dimension, &system.description().name);
         let y0: Vec<f64> = (0..d).map(|k| 0.7 + 0.1 * k as f64).collect();
         let square =

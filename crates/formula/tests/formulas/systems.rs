@@ -139,13 +139,36 @@ fn bodies(count: usize) -> Definition {
     }
 }
 
+/// A heavy top, whose elimination makes entries where there were none.
+fn top() -> Definition {
+    let entries = [
+        ((0, 1), "-m3"),
+        ((0, 2), "m2"),
+        ((1, 2), "-m1"),
+        ((0, 4), "-g3"),
+        ((0, 5), "g2"),
+        ((1, 3), "g3"),
+        ((1, 5), "-g1"),
+        ((2, 3), "-g2"),
+        ((2, 4), "g1"),
+    ];
+    Definition {
+        name: "top".into(),
+        state: words(&["m1", "m2", "m3", "g1", "g2", "g3"]),
+        structure: Structure::Entries(entries.map(|(place, text)| (place, text.to_owned())).into()),
+        energy: "m1^2/2 + m2^2/2 + m3^2 + 2*g3".into(),
+        ..Definition::default()
+    }
+}
+
 /// Eliminations of all sizes solve z = y + B((y+z)/2)v.
 #[test]
 fn the_linearly_implicit_step_is_solved_in_every_dimension() {
-    for count in [1, 2, 3, 9, 12] {
-        let d = 3 * count;
+    for (definition, d) in
+        [1, 2, 3, 9, 12].map(|count| (bodies(count), 3 * count)).into_iter().chain([(top(), 6)])
+    {
         let y0: Vec<f64> = (0..d).map(|i| 0.3 + 0.1 * i as f64).collect();
-        let system = FormulaSystem::new(&bodies(count), &y0).unwrap();
+        let system = FormulaSystem::new(&definition, &y0).unwrap();
         assert!(
             system.description().linearity == Linearity::Affine
                 && system.description().always_solvable
