@@ -1,22 +1,15 @@
 //! The expressions of a system in one graph.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    ops::Range,
-    slice::from_ref,
-};
+use std::{collections::BTreeSet, ops::Range, slice::from_ref};
 
 use super::{
     MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
-    flows::{Part, Term, parts},
+    flows::Term,
     sparse::{Sparse, connected, dot},
 };
 use real::Real;
-use systems::{
-    probe::vanish,
-    run_time::{Op, Parts},
-};
+use systems::{probe::vanish, run_time::Op};
 
 use expression::{Binary, Graph, Id, Node, Tape, Unary, forms, place};
 
@@ -44,7 +37,7 @@ pub struct Expressions {
     /// not affine, or elimination too long, and those of areas for more than [`MAX_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
     /// Flows of the parts, in a graph of their own; none if there is a term without one.
-    flows: (Graph, Vec<Vec<Id>>),
+    pub flows: (Graph, Vec<Vec<Id>>),
 }
 
 /// An entry of B.
@@ -71,9 +64,6 @@ const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 
 /// The most noises whose Lévy areas are used.
 const MAX_NOISES: usize = 16;
-
-/// Terms of a part that are written out.
-const MAX_TERMS: usize = 4;
 
 /// The input of the first area.
 fn first_area(dimension: usize, noises: usize) -> usize {
@@ -171,60 +161,8 @@ impl Expressions {
         self.group(group).map(|k| self.graph.input(k)).collect()
     }
 
-    /// Finds the parts of the Hamiltonians whose flows are known.
-    /// Also gives the terms without a flow, with their graph.
-    pub fn find_parts(&mut self, state: &[String]) -> (Result<Parts, String>, Graph, Vec<Term>) {
-        let mut apart = self.clone();
-        let found = parts(&mut apart);
-        let names = apart.names(state);
-        let mut text = |root: Id, factor: f64| {
-            let product = apart.graph.scale(root, factor);
-            words::text(&apart.graph, product, &names, Binding::Sum)
-        };
-        let mut of_noise: Vec<Vec<usize>> = vec![Vec::new(); self.noises + 1];
-        let mut about = Vec::new();
-        for (k, part) in found.iter().enumerate() {
-            let mut terms: BTreeMap<usize, Vec<&Term>> = BTreeMap::new();
-            part.terms.iter().for_each(|term| terms.entry(term.of).or_default().push(term));
-            terms.keys().for_each(|&m| of_noise[m].push(k));
-            let mut all = Vec::new();
-            for (m, terms) in terms.iter().take(MAX_TERMS) {
-                let shown = terms.iter().take(MAX_TERMS);
-                let shown: Vec<String> = shown.map(|term| text(term.root, term.factor)).collect();
-                all.push(format!("{} of H{m}", sum(&shown, terms.len() - shown.len())));
-            }
-            let more = terms.len() - all.len();
-            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-            about.push(format!("{} by {}{more}", part.kind(), all.join(", ")));
-        }
-        let rest: Vec<Term> = found
-            .iter()
-            .filter(|part| part.is_rest())
-            .flat_map(|part| part.terms.clone())
-            .collect();
-        let only = |all: &Vec<usize>| if let [k] = all[..] { Some(k) } else { None };
-        let parts = match &rest[..] {
-            [term, ..] if found.len() < 2 => {
-                Err(format!("no flow of {} is known", text(term.root, 1.0)))
-            }
-            _ if found.is_empty() => Err("no Hamiltonian depends on y".into()),
-            _ => Ok(Parts {
-                number: found.len(),
-                of_noise: of_noise[1..].iter().map(only).collect(),
-                preferred: false,
-                words: about,
-            }),
-        };
-        let mut graph = Graph::new();
-        let inputs: Vec<Id> = (0..self.group(TIME).end).map(|k| graph.input(k)).collect();
-        let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, |k| Some(inputs[k]));
-        self.flows.1 = found.iter().map(flow).collect();
-        self.flows.0 = graph;
-        (parts, apart.graph, rest)
-    }
-
     /// Names of the inputs; those that no formula shows have any.
-    fn names(&self, state: &[String]) -> Vec<String> {
+    pub fn names(&self, state: &[String]) -> Vec<String> {
         let mut names = state.to_vec();
         names.resize(self.group(TIME).end, "t".into());
         names
@@ -604,17 +542,4 @@ impl Expressions {
         let groups: Vec<_> = groups.into_iter().map(|group| self.group(group)).collect();
         Tape::new(&self.graph, roots, &groups)
     }
-}
-
-/// A sum of terms in words, with the number of those that are not shown.
-fn sum(terms: &[String], more: usize) -> String {
-    let mut sum = String::new();
-    for (n, term) in terms.iter().enumerate() {
-        sum += &match (n, term.strip_prefix('-')) {
-            (0, _) => term.clone(),
-            (_, Some(term)) => format!(" - {term}"),
-            (_, None) => format!(" + {term}"),
-        };
-    }
-    if more > 0 { format!("{sum} + {more} terms") } else { sum }
 }

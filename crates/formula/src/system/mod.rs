@@ -5,6 +5,7 @@ mod cayley;
 mod definition;
 mod expressions;
 mod flows;
+mod parts;
 mod program;
 mod sparse;
 
