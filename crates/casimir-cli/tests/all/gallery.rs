@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::common::{json, succeeds};
+use crate::common::{json, run, succeeds};
 
 fn project(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)
@@ -56,6 +56,45 @@ fn every_scene_runs_and_has_expectations() {
         let found = succeeds(path, &["expect", &file, "--accuracy", &loose]);
         assert!(found.contains("E["), "{name}: {found}");
     }
+}
+
+/// The kinds of the parts of a scene, as the page lists them.
+fn kinds(folder: &Path, file: &str) -> String {
+    // Numbers of paths and steps do not matter: a scheme is refused before.
+    let refused = ["split", "nv"].map(|scheme| {
+        let output =
+            run(folder, &["run", file, "--scheme", scheme, "--paths", "1", "--steps", "64"]);
+        String::from_utf8_lossy(&output.stderr).contains("needs a sum of parts with flows")
+    });
+    assert_eq!(refused[0], refused[1], "{file}");
+    let found = json(folder, &["inspect", file, "--json"]);
+    let kind = |part: &Value| part.as_str().unwrap().split(" by ").next().unwrap().to_owned();
+    let kinds: Vec<String> = found["flows"].as_array().unwrap().iter().map(kind).collect();
+    let runs = kinds.chunk_by(|one, next| one == next).map(|run| match run.len() {
+        1 => run[0].clone(),
+        number => format!("{number} × {}", run[0]),
+    });
+    match (refused[0], kinds.is_empty()) {
+        (true, _) => "–".into(),
+        (false, true) => "built in".into(),
+        (false, false) => runs.collect::<Vec<_>>().join(", "),
+    }
+}
+
+#[test]
+#[ignore = "long: run by the gate"]
+fn the_page_says_which_scenes_have_flows() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = read("docs/gallery.md");
+    let table = page.split("| scene | parts |\n|---|---|\n").nth(1).expect("a table");
+    let rows: BTreeSet<&str> = table.lines().take_while(|line| line.starts_with('|')).collect();
+    let found = scenes().into_iter().map(|name| {
+        let file = format!("{name}.toml");
+        fs::write(folder.path().join(&file), read(&format!("scenes/{file}"))).unwrap();
+        format!("| `{name}` | {} |", kinds(folder.path(), &file))
+    });
+    let found: BTreeSet<String> = found.collect();
+    assert_eq!(rows, found.iter().map(String::as_str).collect());
 }
 
 /// All keys of a schema.

@@ -2,12 +2,13 @@
 //! B∇F is the flow of F: both are tested at random states, for all weights.
 
 use formula::{Definition, FormulaSystem};
+use kernels::Tuned;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Block, Row, Rows, WIDTH};
-use schemes::{Nv, Scheme, Split, Step, Sweep};
+use schemes::{BuiltIn, EulerMaruyama, Nv, Scheme, Split, Step, Sweep};
 use systems::{
-    Constant, RigidBody,
+    Constant, MaxwellBloch, RigidBody,
     run_time::{Move, Op, System, Weights},
 };
 
@@ -60,31 +61,47 @@ fn system(
     FormulaSystem::new(&definition, &y0).unwrap()
 }
 
+const PLANE: [&str; 2] = ["q", "p"];
+const TWO: [&str; 4] = ["q1", "q2", "p1", "p2"];
+const THREE: [&str; 6] = ["q1", "q2", "q3", "p1", "p2", "p3"];
+const BODY: [&str; 3] = ["x", "y", "z"];
+const SPINS: [&str; 6] = ["x1", "y1", "z1", "x2", "y2", "z2"];
+const TOP: [&str; 6] = ["m1", "m2", "m3", "g1", "g2", "g3"];
+
+/// M × ∇_M + Γ × ∇_Γ, and Γ × ∇_M.
+fn top() -> Vec<Vec<String>> {
+    let mut rows = spins(&TOP);
+    rows[3] = words(&["0", "0"]);
+    rows[4] = words(&["0"]);
+    for (i, j, text) in
+        [(0, 4, "-g3"), (0, 5, "g2"), (1, 3, "g3"), (1, 5, "-g1"), (2, 3, "-g2"), (2, 4, "g1")]
+    {
+        rows[i][j - i - 1] = text.into();
+    }
+    rows
+}
+
+/// {x, y} = z and {x, z} = -y, and y and z commute: not so(3).
+fn motions() -> Vec<Vec<String>> {
+    let mut rows = spins(&SPINS);
+    (rows[1][0], rows[4][0]) = ("0".into(), "0".into());
+    rows
+}
+
+fn boosts() -> Vec<Vec<String>> {
+    matrix(3, &[(0, 1, "-z"), (0, 2, "-y"), (1, 2, "x")])
+}
+
+fn magnetic() -> Vec<Vec<String>> {
+    matrix(4, &[(0, 2, "1"), (1, 3, "1"), (2, 3, "0.8")])
+}
+
+fn lotka() -> Vec<Vec<String>> {
+    matrix(3, &[(0, 1, "x*y"), (0, 2, "0.5*x*z"), (1, 2, "-0.7*y*z")])
+}
+
 /// Systems with the number of their parts.
 fn systems() -> Vec<(FormulaSystem, usize)> {
-    const PLANE: [&str; 2] = ["q", "p"];
-    const TWO: [&str; 4] = ["q1", "q2", "p1", "p2"];
-    const THREE: [&str; 6] = ["q1", "q2", "q3", "p1", "p2", "p3"];
-    const BODY: [&str; 3] = ["x", "y", "z"];
-    const SPINS: [&str; 6] = ["x1", "y1", "z1", "x2", "y2", "z2"];
-    let top = {
-        let mut rows = spins(&["m1", "m2", "m3", "g1", "g2", "g3"]);
-        // M × ∇_M + Γ × ∇_Γ, and Γ × ∇_M.
-        rows[3] = words(&["0", "0"]);
-        rows[4] = words(&["0"]);
-        for (i, j, text) in
-            [(0, 4, "-g3"), (0, 5, "g2"), (1, 3, "g3"), (1, 5, "-g1"), (2, 3, "-g2"), (2, 4, "g1")]
-        {
-            rows[i][j - i - 1] = text.into();
-        }
-        rows
-    };
-    // {x, y} = z and {x, z} = -y, and y and z commute: not so(3).
-    let mut motions = spins(&SPINS);
-    (motions[1][0], motions[4][0]) = ("0".into(), "0".into());
-    let boosts = matrix(3, &[(0, 1, "-z"), (0, 2, "-y"), (1, 2, "x")]);
-    let magnetic = matrix(4, &[(0, 2, "1"), (1, 3, "1"), (2, 3, "0.8")]);
-    let lotka = matrix(3, &[(0, 1, "x*y"), (0, 2, "0.5*x*z"), (1, 2, "-0.7*y*z")]);
     vec![
         (system(&PLANE, canonical(1), "p^2/2 - cos(q)", &["0.3*q"]), 2),
         (system(&PLANE, canonical(1), "p^2/3 + (q^2 - 1)^2", &["0.3*sin(q)", "0.1*p"]), 2),
@@ -93,7 +110,7 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
         (system(&PLANE, matrix(2, &[(0, 1, "q*p")]), "ln(q) + p", &["0.1*ln(p)"]), 2),
         (system(&TWO, canonical(2), "(p1^2 + p2^2)/2 + q1^2*q2 - q2^3/3", &["0.1*q1"]), 2),
         (system(&THREE, canonical(3), "(p1^2 + p2^2 + p3^2)/2 + exp(q1-q2) + exp(q2-q3)", &[]), 2),
-        (system(&TWO, magnetic, "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 2),
+        (system(&TWO, magnetic(), "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 2),
         (system(&BODY, spins(&BODY), "x^2/4 + y^2/2 + z^2", &["x^2/2", "0.3*y^2", "z^2/7"]), 3),
         (system(&BODY, spins(&BODY), "(0.6*x + 0.8*z)^2 - 0.3*x + 0.2*y", &["0.1*(x + z)"]), 3),
         (
@@ -106,18 +123,10 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
             2,
         ),
         (system(&SPINS, spins(&SPINS), "x1*x2 + y1*y2 + 0.5*z1*z2", &["0.1*x1"]), 3),
-        (
-            system(
-                &["m1", "m2", "m3", "g1", "g2", "g3"],
-                top,
-                "m1^2/2 + m2^2/2 + m3^2 + 2*g3",
-                &["0.1*m1"],
-            ),
-            3,
-        ),
-        (system(&SPINS, motions, "x1*x2 + y1*y2 + z1*z2", &["0.1*x1"]), 2),
-        (system(&BODY, boosts, "x^2/2 + 0.3*y^2 + 0.2*z", &["0.1*y"]), 3),
-        (system(&BODY, lotka, "x - ln(x) + y^2 + z", &["0.1*ln(y)"]), 3),
+        (system(&TOP, top(), "m1^2/2 + m2^2/2 + m3^2 + 2*g3", &["0.1*m1"]), 3),
+        (system(&SPINS, motions(), "x1*x2 + y1*y2 + z1*z2", &["0.1*x1"]), 2),
+        (system(&BODY, boosts(), "x^2/2 + 0.3*y^2 + 0.2*z", &["0.1*y"]), 3),
+        (system(&BODY, lotka(), "x - ln(x) + y^2 + z", &["0.1*ln(y)"]), 3),
     ]
 }
 
@@ -203,6 +212,75 @@ fn parts_have_flows_that_add_up_to_the_field() {
             let off = difference(&theirs, &ours);
             assert!(off < 1e-11, "{name}: {off:e}");
         }
+    }
+}
+
+/// y after the time t, by the classical Runge–Kutta method with so many steps, whose sum is
+/// compensated (Kahan).
+fn integrated(system: &FormulaSystem, y: &[Row], t: f64, steps: u32) -> Vec<Row> {
+    let plus = |y: &[Row], factor: f64, k: &[Row]| -> Vec<Row> {
+        let add = |(y, k): (&Row, &Row)| std::array::from_fn(|p| y[p] + factor * k[p]);
+        y.iter().zip(k).map(add).collect()
+    };
+    let (h, slope) = (t / f64::from(steps), |y: &[Row]| field(system, y, 1.0, &[]));
+    let (mut y, mut lost) = (y.to_vec(), vec![[0.0; WIDTH]; y.len()]);
+    for _ in 0..steps {
+        let one = slope(&y);
+        let two = slope(&plus(&y, 0.5 * h, &one));
+        let three = slope(&plus(&y, 0.5 * h, &two));
+        let four = slope(&plus(&y, h, &three));
+        let sum = plus(&plus(&plus(&one, 2.0, &two), 2.0, &three), 1.0, &four);
+        let change = plus(&lost, h / 6.0, &sum);
+        let next = plus(&y, 1.0, &change);
+        lost = plus(&change, -1.0, &plus(&next, -1.0, &y));
+        y = next;
+    }
+    y
+}
+
+#[test]
+fn each_kind_of_flow_is_the_integrated_one() {
+    let mut random = Random::new(17);
+    let of = |names: &[&str], b: Vec<Vec<String>>, energy: &str| system(names, b, energy, &[]);
+    for (kind, system) in [
+        ("kick", of(&PLANE, canonical(1), "cos(q) + q^4/4 + exp(-q)")),
+        ("kick", of(&TWO, canonical(2), "(q1 + p2)^3/3 + sin(q2 + p1)")),
+        ("kick", of(&TWO, magnetic(), "p1^2/2 + sin(q2)")),
+        (
+            "kick",
+            of(
+                &["x", "y", "u", "v"],
+                matrix(4, &[(0, 2, "1"), (1, 3, "1"), (2, 3, "2 + x")]),
+                "v^2/2 + x^3/3",
+            ),
+        ),
+        ("exact flow", of(&TWO, canonical(2), "(p1^2 + q1^2)/2 + 0.3*p1 + 0.7*(p2^2 + q2^2)")),
+        ("turn", of(&BODY, spins(&BODY), "x^2/4 + 0.3*sin(x)")),
+        ("turn", of(&BODY, spins(&BODY), "(0.6*x + 0.8*z)^2")),
+        ("turn", of(&TOP, top(), "m1^2/2 + 0.4*g1")),
+        ("kick", of(&TOP, top(), "2*g3")),
+        ("turn", of(&SPINS, motions(), "x1*x2")),
+        ("boost", of(&BODY, boosts(), "x^2/2")),
+        ("boost", of(&BODY, boosts(), "0.3*y^3")),
+        ("turn of pairs", of(&SPINS, spins(&SPINS), "0.7*(x1*x2 + y1*y2 + z1*z2)")),
+        ("growth", of(&BODY, lotka(), "x - ln(x)")),
+        ("growth", of(&BODY, lotka(), "sin(y)")),
+    ] {
+        let (name, parts) = (&system.description().name, &system.description().parts);
+        let words = &parts.as_ref().unwrap().words;
+        assert!(words.len() == 1 && words[0].starts_with(&format!("{kind} by")), "{words:?}");
+        let mut y = vec![[0.0; WIDTH]; system.description().dimension];
+        y.iter_mut().flatten().for_each(|y| *y = 1.0 + 0.4 * random.number());
+        // Errors of fourth order are extrapolated; what is left is a few roundings, and h⁵.
+        let [coarse, fine] = [512, 1024].map(|steps| integrated(&system, &y, 0.8, steps));
+        let mut exact = fine.clone();
+        for (exact, coarse) in exact.iter_mut().flatten().zip(coarse.iter().flatten()) {
+            *exact += (*exact - coarse) / 15.0;
+        }
+        let off = |t: f64| difference(&flow(&system, 0, &y, t, &[]), &exact);
+        assert!(off(0.8) < 1e-13, "{name}: {:e}", off(0.8));
+        // The twin: a time that is longer by 10⁻¹².
+        assert!(off(0.8 + 1e-12) > 1e-13, "{name}: {:e}", off(0.8 + 1e-12));
     }
 }
 
@@ -296,9 +374,89 @@ fn nv_on_a_text_is_nv_on_the_body() {
     assert!(off > 1e-4, "{off:e}");
 }
 
-/// Casimirs of all degrees, with noise; energies without, whose error is a part of τ².
+/// Root mean squares over 32 paths at t = 1 with 2^exponent steps: the errors of a scheme on a text
+/// and of `nv` on the compiled system, from `nv` with 2¹² steps, and the distance between both.
+fn strong_errors<S: Tuned<D, M>, const D: usize, const M: usize>(
+    (system, y0): (&S, [f64; D]),
+    (scheme, text): (&dyn schemes::run_time::Scheme, &FormulaSystem),
+    exponent: u32,
+) -> [f64; 3] {
+    const FINEST: u32 = 12;
+    let mut random = Random::new(7);
+    // Sums of four numbers of variance 4/3.
+    let size = (3.0 / 16.0f64).sqrt() * 2f64.powi(-(FINEST as i32)).sqrt();
+    let mut number = || size * [(); 4].map(|()| random.number()).iter().sum::<f64>();
+    let finest: Vec<[Row; M]> =
+        (0..1 << FINEST).map(|_| [(); M].map(|()| std::array::from_fn(|_| number()))).collect();
+    let (damping, mut status) = (Constant::new(0.2).unwrap(), BlockStatus::explicit());
+    let steps = |exponent: u32| {
+        let tau = 2f64.powi(-(exponent as i32));
+        let of_step = finest.chunks(1 << (FINEST - exponent)).zip(0..).map(move |(all, n)| {
+            let mut noise = StepNoise::zero(M);
+            for (sum, dw) in all.iter().flatten().enumerate() {
+                noise.increments[sum % M].iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
+            }
+            (Step::new(&damping, n, tau).unwrap(), noise)
+        });
+        of_step.collect::<Vec<_>>()
+    };
+    let mut on_text = |scheme: &dyn schemes::run_time::Scheme, exponent: u32| {
+        let mut paths = scheme.stepper(text).unwrap();
+        paths.state_mut().copy_from_slice(&Rows::splat(&y0));
+        for (step, noise) in steps(exponent) {
+            paths.step(&step, &noise, &mut status);
+        }
+        paths.state().to_vec()
+    };
+    let (reference, found) = (on_text(&Nv::default(), FINEST), on_text(scheme, exponent));
+    let scheme = S::scheme(BuiltIn::Nv, system, y0).unwrap();
+    let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
+    for (step, noise) in steps(exponent) {
+        scheme.step_block(system, &step, &(&noise).into(), &mut y, &mut status);
+    }
+    let distance = |a: &[Row], b: &[Row]| {
+        let all = a.iter().flatten().zip(b.iter().flatten());
+        (all.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / WIDTH as f64).sqrt()
+    };
+    [distance(&found, &reference), distance(&y.0, &reference), distance(&found, &y.0)]
+}
+
+/// Paths on texts are those on compiled systems but for a part of τ²: compiled systems turn by
+/// Cayley's map, and may have their parts in another order. So strong errors are the same. Where
+/// flows are exact and in the same order, paths are compared in `panels`.
 #[test]
-fn flows_keep_casimirs_and_nearly_energies() {
+fn nv_has_the_strong_errors_of_compiled_systems() {
+    fn check<S: Tuned<D, M>, const D: usize, const M: usize>(
+        of: (&S, [f64; D]),
+        definition: &Definition,
+    ) {
+        let text = FormulaSystem::new(definition, &of.1).unwrap();
+        let found = |scheme: &dyn schemes::run_time::Scheme| {
+            [6, 7].map(|exponent| strong_errors(of, (scheme, &text), exponent))
+        };
+        let ratio = |[coarse, fine]: [[f64; 3]; 2]| coarse[2] / fine[2];
+        let on_text = found(&Nv::default());
+        assert!((ratio(on_text) - 4.0).abs() < 0.1, "{}: {on_text:?}", definition.name);
+        for [on_text, compiled, distance] in on_text {
+            assert!(distance < 0.01 * compiled, "{}: {on_text} {compiled}", definition.name);
+        }
+        // The twin: a scheme of strong order one or less.
+        let twin = found(&EulerMaruyama);
+        assert!(ratio(twin) < 3.0, "{}: {twin:?}", definition.name);
+    }
+    let (inertia, noise) = ([2.0, 1.0, 0.5], [1.0, 2.0, 3.0]);
+    let momentum = [0.45, 0.0, 0.89];
+    let body = paper::rigid_body(inertia, noise);
+    let one_noise = Definition { noises: words(&["y1^2/2"]), ..body.clone() };
+    check((&RigidBody::three_noises(inertia, noise).unwrap(), momentum), &body);
+    check((&RigidBody::one_noise(inertia, 1.0).unwrap(), momentum), &one_noise);
+    check((&MaxwellBloch, [1.0, 0.5, 0.8]), &paper::maxwell_bloch());
+}
+
+/// Casimirs of all degrees, with noise, after so many steps; energies without, whose error is a
+/// part of τ². Roundings make a random walk.
+fn casimirs_are_kept(steps: u64) {
+    let allowed = 1e-12 * (steps as f64 / 4096.0).sqrt();
     let at = |k: usize, y: &[Row]| y[k][7];
     for (system, _) in systems().into_iter().skip(7) {
         let (d, name) = (system.description().dimension, &system.description().name);
@@ -324,9 +482,13 @@ fn flows_keep_casimirs_and_nearly_energies() {
         };
         let start = Rows::splat(&y0);
         for scheme in [&Split as &dyn schemes::run_time::Scheme, &Nv::default()] {
-            let end = after(scheme, &system, &y0, (4096, 1.0 / 256.0, true));
+            // Noise takes boosts and species far away, where a growth is the same in many steps, and
+            // so is its rounding.
+            let is_compact = d > 3 || !(name.contains("ln") || name.starts_with("x^2/2 + 0.3"));
+            let tau = if is_compact { 1.0 / 256.0 } else { 4.0 / steps as f64 };
+            let end = after(scheme, &system, &y0, (steps, tau, true));
             for (before, after) in casimirs(&start).iter().zip(casimirs(&end)) {
-                assert!((after / before - 1.0).abs() < 1e-12, "{name}: {before} {after}");
+                assert!((after / before - 1.0).abs() < allowed, "{name}: {before} {after}");
             }
         }
         let energy = |y: &[Row]| {
@@ -341,6 +503,17 @@ fn flows_keep_casimirs_and_nearly_energies() {
         let off = (energy(&end) - energy(&start)).abs();
         assert!(off < 1e-4, "{name}: {off:e}");
     }
+}
+
+#[test]
+fn flows_keep_casimirs_and_nearly_energies() {
+    casimirs_are_kept(4096);
+}
+
+#[test]
+#[ignore = "long: run by the gate"]
+fn flows_keep_casimirs_over_a_million_steps() {
+    casimirs_are_kept(1_000_000);
 }
 
 /// A part without a flow: order two without noise.

@@ -1,3 +1,5 @@
 //! Statistical property tests.
 
+mod long_time;
+mod nv;
 pub mod orders;
