@@ -1,6 +1,6 @@
 //! The averaged discrete gradient by Gauss–Legendre quadrature.
 
-use real::Real;
+use real::{Degree, Real};
 
 use crate::legendre::fixed_rule;
 
@@ -49,6 +49,58 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }
 }
 
+/// [`averaged`] with the nodes that a polynomial H of this degree needs: one up to degree two, two
+/// up to four, three up to six; with eight for any other H.
+///
+/// A kernel has the gradient at no more points than with eight nodes, and one: the degree is known
+/// when it is compiled, but its branches take the time of compiling before.
+#[inline(always)]
+pub fn averaged_by_degree<R: Real, F: GradientField<D>, const D: usize>(
+    field: &F,
+    degree: Degree,
+    a: [R; D],
+    b: [R; D],
+) -> [R; D] {
+    let few = degree <= Degree::of(6);
+    let (is_one, is_two) = (degree <= Degree::of(2), degree <= Degree::of(4));
+    let (mut middle, mut difference) = (a, a);
+    for i in 0..D {
+        middle[i] = (a[i] + b[i]) * 0.5;
+        difference[i] = b[i] - a[i];
+    }
+    let nodes = Nodes::<F, R, 8, D> { field, middle, difference };
+    let mut at_middle = middle;
+    if is_one || (few && !is_two) {
+        at_middle = field.gradient(middle);
+    }
+    if is_one {
+        return at_middle;
+    }
+    let (two, three, eight) = const { (fixed_rule::<2>(), fixed_rule::<3>(), fixed_rule::<8>()) };
+    let (node, weight) = match (is_two, few) {
+        (true, _) => (two.0[0], two.1[0]),
+        (_, true) => (three.0[0], three.1[0]),
+        _ => (eight.0[0], eight.1[0]),
+    };
+    let mut mean = nodes.pair(node);
+    for i in 0..D {
+        mean[i] = mean[i] * weight;
+    }
+    if !few {
+        // As in `averaged`: written out, or a loop that is quick to compile.
+        if const { D > 4 } {
+            for k in 1..4 {
+                mean = nodes.add_pair(mean, k);
+            }
+        } else {
+            mean = nodes.add_pair(mean, 1);
+            mean = nodes.add_pair(mean, 2);
+            mean = nodes.add_pair(mean, 3);
+        }
+    }
+    if few && !is_two { plus(mean, at_middle, three.1[1]) } else { mean }
+}
+
 /// A field on the segment from a to b, at the N nodes of the rule. The nodes are symmetric about
 /// the middle, and each pair has one weight.
 struct Nodes<'a, F, R, const N: usize, const D: usize> {
@@ -66,7 +118,7 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
         if N == 1 {
             return self.field.gradient(self.middle);
         }
-        let mut mean = self.pair(0);
+        let mut mean = self.pair(Self::RULE.0[0]);
         for i in 0..D {
             mean[i] = mean[i] * Self::RULE.1[0];
         }
@@ -75,7 +127,7 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
 
     #[inline(always)]
     fn add_pair(&self, mean: [R; D], k: usize) -> [R; D] {
-        plus(mean, self.pair(k), Self::RULE.1[k])
+        plus(mean, self.pair(Self::RULE.0[k]), Self::RULE.1[k])
     }
 
     #[inline(always)]
@@ -83,10 +135,10 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
         plus(mean, self.field.gradient(self.middle), Self::RULE.1[N / 2])
     }
 
-    /// The sum of the gradients at node k and at its mirror image.
+    /// The sum of the gradients at a node and at its mirror image.
     #[inline(always)]
-    fn pair(&self, k: usize) -> [R; D] {
-        let distance = 0.5 - Self::RULE.0[k];
+    fn pair(&self, node: f64) -> [R; D] {
+        let distance = 0.5 - node;
         let (mut lower, mut upper) = (self.middle, self.middle);
         for i in 0..D {
             let step = self.difference[i] * distance;

@@ -29,7 +29,7 @@
 //! | [`midpoint`] | ∇̄H for a quadratic H |
 //! | [`mean_cosine`], [`mean_sine`] | ∇̄H for H = sin y and H = −cos y, without cancellation |
 //! | [`ShortMean`] | the same for short steps in fewer operations, with derivatives |
-//! | [`averaged`] | N Gauss–Legendre nodes, for block kernels |
+//! | [`averaged`], [`averaged_by_degree`] | N Gauss–Legendre nodes, for block kernels |
 //! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] |
 
 pub use real;
@@ -39,7 +39,7 @@ mod closed;
 mod legendre;
 mod short;
 
-pub use average::{GradientField, averaged};
+pub use average::{GradientField, averaged, averaged_by_degree};
 pub use closed::{mean_cosine, mean_sine, midpoint};
 pub use legendre::{MAX_NODES, QuadratureError, Rule, nodes_for_degree};
 pub use short::ShortMean;

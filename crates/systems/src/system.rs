@@ -1,6 +1,6 @@
 //! The trait of Poisson systems.
 
-use dgrad::{averaged, midpoint};
+use dgrad::{averaged_by_degree, midpoint};
 use real::{Degree, Real, Segment, gradient, unrolled};
 
 use crate::{
@@ -8,10 +8,6 @@ use crate::{
     cayley::cayley_by_elimination,
     field::{HamiltonianIncrement, degree, unit_noise, vector_field, vector_field_derivative},
 };
-
-/// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
-/// small steps.
-const DEFAULT_NODES: usize = 8;
 
 /// A stochastic Poisson system in D dimensions with M noises, dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ
 /// (Stratonovich). The damping is given separately, as a [`Damping`](crate::Damping).
@@ -54,30 +50,21 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         let (field, degree) = (HamiltonianIncrement { system: self, dt, dw }, degree(self, dt, dw));
-        if degree <= Degree::of(2) {
-            return self.gradient(midpoint(a, b), dt, dw);
-        }
-        let mut segment = [Segment::zero(); D];
-        for i in 0..D {
-            segment[i] = Segment::new(a[i], b[i]);
-        }
-        let along = self.gradient(segment, dt, dw);
-        let (mut mean, mut known) = (a, true);
-        for i in 0..D {
-            match along[i].mean() {
-                Some(slope) => mean[i] = slope,
-                None => known = false,
+        let (mut mean, mut known) = (a, degree > Degree::of(2));
+        if known {
+            let mut segment = [Segment::zero(); D];
+            for i in 0..D {
+                segment[i] = Segment::new(a[i], b[i]);
+            }
+            let along = self.gradient(segment, dt, dw);
+            for i in 0..D {
+                match along[i].mean() {
+                    Some(slope) => mean[i] = slope,
+                    None => known = false,
+                }
             }
         }
-        if known {
-            mean
-        } else if degree <= Degree::of(4) {
-            averaged::<2, R, _, D>(&field, a, b)
-        } else if degree <= Degree::of(6) {
-            averaged::<3, R, _, D>(&field, a, b)
-        } else {
-            averaged::<DEFAULT_NODES, R, _, D>(&field, a, b)
-        }
+        if known { mean } else { averaged_by_degree(&field, degree, a, b) }
     }
 
     /// B((a+b)/2)·∇̄h(a, b), the change over an implicit step from a to b; by

@@ -55,10 +55,14 @@ fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
-    let flows = system.description().parts.as_ref().map_or(&[][..], |parts| &parts.words);
-    let of_flows = match flows {
-        [] => String::new(),
-        flows => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
+    let parts = system.description().parts.as_ref();
+    let flows = parts.map_or(&[][..], |parts| &parts.words);
+    let of_flows = match (parts, flows) {
+        // Schemes of compiled systems have flows of their own.
+        (Err(_), _) if known.equations.is_empty() => String::new(),
+        (Err(reason), _) => format!("\nNo flows, for split and nv: {reason}"),
+        (Ok(parts), []) => format!("\nFlows, for split and nv: of {} parts", parts.number),
+        (_, flows) => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
     };
     let text = format!("{}{}{of_flows}\n", known.equation(), text.trim_end());
     let mistakes = findings.mistakes.clone();
