@@ -53,7 +53,7 @@ fn definition(state: &str, rows: &[&str], energy: &str, noises: &[&str]) -> Defi
     Definition {
         name: energy.into(),
         state: words(state),
-        structure: rows.iter().map(|row| words(row)).collect(),
+        structure: rows.iter().map(|row| words(row)).collect::<Vec<_>>().into(),
         energy: energy.into(),
         noises: noises.iter().map(|&noise| noise.to_owned()).collect(),
         ..Definition::default()
