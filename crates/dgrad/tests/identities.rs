@@ -1,8 +1,11 @@
 //! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
 
-use dgrad::{GradientField, Rule, ShortMean, averaged, mean_cosine, mean_sine, nodes_for_degree};
+use dgrad::{
+    GradientField, Rule, ShortMean, averaged, averaged_by_degree, mean_cosine, mean_sine,
+    nodes_for_degree,
+};
 use proptest::prelude::*;
-use real::{Dual, Real};
+use real::{Degree, Dual, Real};
 
 struct Sine;
 impl GradientField<1> for Sine {
@@ -28,6 +31,15 @@ impl GradientField<2> for Logarithm {
     fn gradient<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
         let s = x * x + y * y + 1.0;
         [x * 2.0 / s, y * 2.0 / s]
+    }
+}
+
+/// [`Logarithm`] of the first two of five components.
+struct Five;
+impl GradientField<5> for Five {
+    fn gradient<R: Real>(&self, [x, y, ..]: [R; 5]) -> [R; 5] {
+        let [x, y] = Logarithm.gradient([x, y]);
+        [x, y, R::zero(), R::zero(), R::zero()]
     }
 }
 
@@ -110,6 +122,25 @@ proptest! {
         prop_assert!(
             (dot(mean, a, b) - (monomial(b) - monomial(a))).abs() < 16.0 * f64::EPSILON * scale
         );
+    }
+
+    #[test]
+    fn nodes_by_degree_are_those_of_the_rule(a in [POINT, POINT], b in [POINT, POINT]) {
+        let by = |degree| averaged_by_degree(&Logarithm, degree, a, b);
+        let rules = [
+            averaged::<1, f64, _, 2>(&Logarithm, a, b),
+            averaged::<2, _, _, 2>(&Logarithm, a, b),
+            averaged::<3, _, _, 2>(&Logarithm, a, b),
+            averaged::<8, _, _, 2>(&Logarithm, a, b),
+        ];
+        for (degree, rule) in [(1, 0), (2, 0), (3, 1), (4, 1), (5, 2), (6, 2), (7, 3)] {
+            prop_assert_eq!(by(Degree::of(degree)), rules[rule]);
+        }
+        prop_assert_eq!(by(Degree::NONE), rules[3]);
+        // More than four dimensions are a loop.
+        let five = |[x, y]: [f64; 2]| [x, y, 1.0, 2.0, 3.0];
+        let mean: [f64; 5] = averaged::<8, _, _, 5>(&Five, five(a), five(b));
+        prop_assert_eq!(averaged_by_degree(&Five, Degree::NONE, five(a), five(b)), mean);
     }
 
     #[test]
