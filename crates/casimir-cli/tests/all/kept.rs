@@ -70,6 +70,10 @@ fn what_is_kept_is_of_one_scene() {
         let same =
             WELL.replace("/ 4\"", "/4\"  # a quarter").replace("paths = 5e4", "\npaths=50000");
         fs::write(path.join("scene.toml"), format!("title = \"A well\"\n{same}")).unwrap();
+        if let "expect" = arguments[0] {
+            let other = [arguments, &["--coarsest-steps", "16"]].concat();
+            fails(path, &other, 1, &["is of another computation"]);
+        }
         if let "run" | "order" = arguments[0] {
             let found = result(path, arguments);
             assert!(!file.exists());
