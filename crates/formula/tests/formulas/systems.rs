@@ -139,24 +139,29 @@ fn bodies(count: usize) -> Definition {
     }
 }
 
-/// A heavy top, whose elimination makes entries where there were none.
-fn top() -> Definition {
-    let entries = [
-        ((0, 1), "-m3"),
-        ((0, 2), "m2"),
-        ((1, 2), "-m1"),
-        ((0, 4), "-g3"),
-        ((0, 5), "g2"),
-        ((1, 3), "g3"),
-        ((1, 5), "-g1"),
-        ((2, 3), "-g2"),
-        ((2, 4), "g1"),
-    ];
+/// so(4), in an order in which elimination makes entries where there were none.
+fn rotations() -> Definition {
+    let planes = [(1, 3), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)];
+    // {L_ij, L_kl} is the L of the two other axes if the planes share one, with a sign.
+    let bracket = |(i, j): (usize, usize), (k, l): (usize, usize)| -> Option<String> {
+        let (first, last, sign) = match () {
+            () if j == k => (i, l, 1),
+            () if i == l => (j, k, 1),
+            () if i == k => (j, l, -1),
+            () if j == l => (i, k, -1),
+            () => return None,
+        };
+        let (sign, first, last) =
+            if first < last { (sign, first, last) } else { (-sign, last, first) };
+        Some(format!("{sign}*L{first}{last}"))
+    };
+    let pairs = (0..6).flat_map(|m| (m + 1..6).map(move |n| (m, n)));
+    let entries = pairs.filter_map(|(m, n)| Some(((m, n), bracket(planes[m], planes[n])?)));
     Definition {
-        name: "top".into(),
-        state: words(&["m1", "m2", "m3", "g1", "g2", "g3"]),
-        structure: Structure::Entries(entries.map(|(place, text)| (place, text.to_owned())).into()),
-        energy: "m1^2/2 + m2^2/2 + m3^2 + 2*g3".into(),
+        name: "so(4)".into(),
+        state: planes.map(|(i, j)| format!("L{i}{j}")).to_vec(),
+        structure: Structure::Entries(entries.collect()),
+        energy: "L12^2 + 2*L34^2".into(),
         ..Definition::default()
     }
 }
@@ -164,8 +169,10 @@ fn top() -> Definition {
 /// Eliminations of all sizes solve z = y + B((y+z)/2)v.
 #[test]
 fn the_linearly_implicit_step_is_solved_in_every_dimension() {
-    for (definition, d) in
-        [1, 2, 3, 9, 12].map(|count| (bodies(count), 3 * count)).into_iter().chain([(top(), 6)])
+    for (definition, d) in [1, 2, 3, 9, 12]
+        .map(|count| (bodies(count), 3 * count))
+        .into_iter()
+        .chain([(rotations(), 6)])
     {
         let y0: Vec<f64> = (0..d).map(|i| 0.3 + 0.1 * i as f64).collect();
         let system = FormulaSystem::new(&definition, &y0).unwrap();
