@@ -106,8 +106,16 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
         (system(&PLANE, canonical(1), "p^2/2 - cos(q)", &["0.3*q"]), 2),
         (system(&PLANE, canonical(1), "p^2/3 + (q^2 - 1)^2", &["0.3*sin(q)", "0.1*p"]), 2),
         (system(&PLANE, canonical(1), "p^2/2 + q^2/2 + cos(3*t)*q", &["t*q"]), 2),
-        // p grows at a constant rate, and q at a rate of p.
-        (system(&PLANE, matrix(2, &[(0, 1, "q*p")]), "ln(q) + p^2", &["0.1*ln(p)"]), 2),
+        // q pushes p and reads nothing; B is not affine.
+        (
+            system(
+                &["q", "p", "x", "y"],
+                matrix(4, &[(0, 1, "1"), (2, 3, "x*y")]),
+                "q + p^3/3 + x",
+                &["0.1*x"],
+            ),
+            2,
+        ),
         (system(&TWO, canonical(2), "(p1^2 + p2^2)/2 + q1^2*q2 - q2^3/3", &["0.1*q1"]), 2),
         (system(&THREE, canonical(3), "(p1^2 + p2^2 + p3^2)/2 + exp(q1-q2) + exp(q2-q3)", &[]), 2),
         (system(&TWO, magnetic(), "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 2),
