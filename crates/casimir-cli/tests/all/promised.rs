@@ -370,3 +370,20 @@ fn findings_do_not_mislead() {
         scene(PLANE, CANONICAL, "p^2/2", "", "[1, 0]") + "[observe]\na = \"1 + integral(q)\"\n";
     fails(with_scene(&inside).path(), &["run", "scene.toml"], 2, &["and use that"]);
 }
+
+/// `inspect` lists flows in words and in JSON, or says why there are none.
+#[test]
+fn inspect_lists_flows() {
+    let found = |energy: &str| {
+        let text = scene("[\"q\", \"p\"]", "\"canonical\"", energy, "", "[1, 0]");
+        let folder = with_scene(&text);
+        let told = succeeds(folder.path(), &["inspect", "scene.toml"]);
+        (told, json(folder.path(), &["inspect", "scene.toml", "--json"])["flows"].clone())
+    };
+    let (told, flows) = found("p^2/2 - cos(q)");
+    assert_eq!(flows, serde_json::json!(["kick by 0.5 p^2 of H0", "kick by -cos(q) of H0"]));
+    assert!(told.contains("Flows, for split and nv\n  - kick by 0.5 p^2 of H0"), "{told}");
+    let (told, flows) = found("p^2*q^2");
+    assert_eq!(flows, serde_json::json!([]));
+    assert!(told.contains("No flows, for split and nv: no flow of p^2 q^2 is known"), "{told}");
+}
