@@ -52,8 +52,8 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
 /// [`averaged`] with the nodes that a polynomial H of this degree needs: one up to degree two, two
 /// up to four, three up to six; with eight for any other H.
 ///
-/// A kernel has the gradient at no more points than with eight nodes, and one: the degree is known
-/// when it is compiled, but its branches take the time of compiling before.
+/// The degrees share the points of eight nodes and the middle. The compiler knows the degree of an
+/// inlined formula, but drops branches late: points of their own would cost it time.
 #[inline(always)]
 pub fn averaged_by_degree<R: Real, F: GradientField<D>, const D: usize>(
     field: &F,

@@ -27,7 +27,7 @@ pub fn compile(
     let taken = steps.iter().flatten().flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
-    // Values of few expressions stay in the cache, and neighbours of one age wait for no other.
+    // Few values stay in the cache in any order. As made, neighbours seldom wait for one another.
     let is_short = graph.size() <= SHORT;
     let order = if is_short { graph.ids().collect() } else { by_results(&steps, &outputs) };
     let mut last_use = vec![0; graph.size()];

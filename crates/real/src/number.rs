@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{elementary, functions};
+use crate::{
+    elementary,
+    functions::{sinh_cosh, unless_nan},
+};
 
 /// A number type that formulas are written for: arithmetic and elementary functions.
 ///
@@ -100,37 +103,42 @@ pub trait Real:
     /// tan x = sin x/cos x.
     #[inline(always)]
     fn tan(self) -> Self {
-        functions::tan(self)
+        let (sin, cos) = self.sin_cos();
+        sin / cos
     }
     /// sinh x: a series for |x| < 1, else ½(eˣ − e⁻ˣ). Infinite for |x| > 709.78.
     #[inline(always)]
     fn sinh(self) -> Self {
-        functions::sinh(self)
+        sinh_cosh(self, self.abs()).0
     }
     /// cosh x = ½(eˣ + e⁻ˣ). Infinite for |x| > 709.78.
     #[inline(always)]
     fn cosh(self) -> Self {
-        functions::cosh(self)
+        sinh_cosh(self, self.abs()).1
     }
     /// tanh x = sinh x/cosh x. It is ±1 from |x| = 20 on, where 1 − |tanh x| < 2⁻⁵³.
     #[inline(always)]
     fn tanh(self) -> Self {
-        functions::tanh(self)
+        let (size, most) = (self.abs(), Self::constant(20.0));
+        let size = Self::where_less(most, size, most, size);
+        let (sinh, cosh) = sinh_cosh(self, size);
+        sinh / cosh
     }
     /// |x|.
     #[inline(always)]
     fn abs(self) -> Self {
-        functions::abs(self)
+        // The sum makes −0 to 0.
+        Self::where_less(self, Self::zero(), -self, self + 0.0)
     }
     /// The smaller number; NaN if either is.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        functions::min(self, other)
+        unless_nan(self, Self::where_less(self, other, self, other))
     }
     /// The larger number; NaN if either is.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        functions::max(self, other)
+        unless_nan(self, Self::where_less(other, self, self, other))
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::{path::Path, process::Output};
 
-use crate::common::{OSCILLATOR, json, run, with_scene};
+use crate::common::{OSCILLATOR, json, run, succeeds, with_scene};
 
 /// The program in so many megabytes of addresses.
 fn confined(folder: &Path, arguments: &str, megabytes: u32) -> Output {
@@ -96,6 +96,15 @@ fn what_is_too_large_is_refused_before_the_first_step() {
         assert!(message.contains(words), "{arguments}, {words}: {message}");
         assert!(!folder.path().join("scene-run/index.html").exists(), "{arguments}");
     }
+}
+
+/// What is not shown or looked for in a large system is said.
+#[test]
+fn inspect_says_what_it_leaves_out() {
+    let told = succeeds(with_scene(&masses(300)).path(), &["inspect", "scene.toml"]);
+    assert!(told.contains("dq100 = p100 dt\n  and of 500 more components\n"), "{told}");
+    assert!(told.contains("not searched in so large a system"), "{told}");
+    assert!(told.contains(" + 296 terms of H0"), "{told}");
 }
 
 #[test]

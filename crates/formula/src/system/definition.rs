@@ -18,7 +18,7 @@ pub struct Definition {
     pub vectors: Vec<(String, Vec<String>)>,
     /// Names and values of parameters.
     pub parameters: Vec<(String, f64)>,
-    /// B.
+    /// The matrix B, by rows or entries.
     pub structure: Structure,
     /// H₀.
     pub energy: String,
@@ -202,8 +202,8 @@ fn upper(
             let is_above = |&&(i, j): &&(usize, usize)| i < j && j < dimension;
             if let Some((i, j)) = entries.keys().find(|place| !is_above(place)) {
                 return wrong(format!(
-                    "entries of B have a row below their column, which is below {dimension}, got \
-                     row {i}, column {j}"
+                    "an entry of B has row < column < {dimension}, counted from 0, got row {i}, \
+                     column {j}"
                 ));
             }
             return entries.iter().map(|(&place, text)| entry(place, text)).collect();

@@ -6,7 +6,7 @@ use super::{
     MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
     flows::Term,
-    sparse::{Sparse, connected, dot},
+    sparse::{Field, Sparse, connected, dot},
 };
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
@@ -471,27 +471,40 @@ impl Expressions {
         cayley::solve(&mut self.graph, matrix, right)
     }
 
+    /// The columns of B, if it is affine: that of k is the field of yₖ.
+    pub fn columns(&self) -> Option<Vec<Field>> {
+        let above: Vec<Id> = self.structure.iter().flatten().map(|entry| entry.above).collect();
+        let needed = self.graph.needed(&above);
+        let forms = forms(&self.graph, &needed, self.dimension);
+        let column = |(k, entries): (usize, &Vec<Entry>)| {
+            let entry = |entry: &Entry| {
+                let form = forms[place(&needed, entry.above)].as_ref()?;
+                // The entry in row i and column k, above the diagonal for i < k.
+                Some((entry.column, form.times(if entry.column < k { 1.0 } else { -1.0 })))
+            };
+            entries.iter().map(entry).collect()
+        };
+        self.structure.iter().enumerate().map(column).collect()
+    }
+
     /// The rows of I − ½A(v), if B is affine.
     fn cayley_matrix(&mut self) -> Option<Vec<Sparse>> {
-        let [one, v] = [vec![self.graph.constant(1.0)], self.inputs(V)];
-        let entries: Vec<Id> = self.structure.iter().flatten().map(|entry| entry.above).collect();
-        let needed = self.graph.needed(&entries);
-        let forms = forms(&self.graph, &needed, self.dimension);
-        let mut matrix = Vec::new();
-        for (i, entries) in self.structure.iter().enumerate() {
-            let mut row = Sparse::new();
-            for Entry { column, above } in entries {
-                let sign = if *column < i { -1.0 } else { 1.0 };
-                for (&k, slope) in &forms[place(&needed, *above)].as_ref()?.slopes {
-                    let product = self.graph.scale(v[*column], sign * slope);
-                    let sum = row.get(&k).map_or(product, |&sum| self.graph.add(sum, product));
-                    row.insert(k, sum);
+        let (columns, v, one) = (self.columns()?, self.inputs(V), self.graph.constant(1.0));
+        let mut matrix = vec![Sparse::new(); self.dimension];
+        for (v, column) in v.into_iter().zip(&columns) {
+            for (&i, entry) in column {
+                for (&k, &slope) in &entry.slopes {
+                    let product = self.graph.scale(v, slope);
+                    let sum =
+                        matrix[i].get(&k).map_or(product, |&sum| self.graph.add(sum, product));
+                    matrix[i].insert(k, sum);
                 }
             }
+        }
+        for (i, row) in matrix.iter_mut().enumerate() {
             row.values_mut().for_each(|entry| *entry = self.graph.scale(*entry, -0.5));
-            let diagonal = row.get(&i).map_or(one[0], |&entry| self.graph.add(entry, one[0]));
+            let diagonal = row.get(&i).map_or(one, |&entry| self.graph.add(entry, one));
             row.insert(i, diagonal);
-            matrix.push(row);
         }
         Some(matrix)
     }

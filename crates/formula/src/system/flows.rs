@@ -12,7 +12,7 @@ use std::{
     slice::from_ref,
 };
 
-use super::expressions::{Entry, Expressions};
+use super::{expressions::Expressions, sparse::Field};
 use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, place, terms};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
@@ -61,9 +61,6 @@ struct Linear {
     field: Field,
     motions: Vec<Motion>,
 }
-
-/// The components of a field that are not zero.
-type Field = BTreeMap<usize, Affine>;
 
 /// Linear functions in involution, none a multiple of another.
 #[derive(Clone, Default)]
@@ -154,14 +151,11 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
     parts.into_iter().map(|(_, part)| part).collect()
 }
 
-/// Columns of B whose entries are affine in y: that of k is the field of yₖ.
-type Columns = Vec<Field>;
-
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
 /// the product of two vectors.
 fn singles(system: &mut Expressions) -> Vec<Single> {
-    let columns = columns(system);
-    let vectors = columns.as_ref().map_or(Vec::new(), vectors);
+    let columns = system.columns();
+    let vectors = columns.as_deref().map_or(Vec::new(), vectors);
     let mut found = Vec::new();
     for m in 0..=system.noises {
         let mut all = all_terms(system, m);
@@ -180,35 +174,8 @@ fn singles(system: &mut Expressions) -> Vec<Single> {
     found
 }
 
-/// The columns of B, if it is affine.
-fn columns(system: &Expressions) -> Option<Columns> {
-    let above: Vec<Id> = system.structure.iter().flatten().map(|entry| entry.above).collect();
-    let needed = system.graph.needed(&above);
-    let forms = forms(&system.graph, &needed, system.dimension);
-    let column = |(k, entries): (usize, &Vec<Entry>)| {
-        let entry = |entry: &Entry| {
-            let form = forms[place(&needed, entry.above)].as_ref()?;
-            // The entry in row i and column k, above the diagonal for i < k.
-            Some((entry.column, form.times(if entry.column < k { 1.0 } else { -1.0 })))
-        };
-        entries.iter().map(entry).collect()
-    };
-    system.structure.iter().enumerate().map(column).collect()
-}
-
-/// Adds a multiple to a field.
-fn add(field: &mut Field, factor: f64, other: &Field) {
-    for (&k, form) in other {
-        let sum = field.entry(k).or_default();
-        sum.add(factor, form);
-        if sum.is_zero() {
-            field.remove(&k);
-        }
-    }
-}
-
 /// Makes one term of the linear ones of a Hamiltonian, if there are several.
-fn join_linear(system: &mut Expressions, columns: &Columns, m: usize, all: &mut Vec<Term>) {
+fn join_linear(system: &mut Expressions, columns: &[Field], m: usize, all: &mut Vec<Term>) {
     let is_linear = |term: &Term| matches!(&term.functions[..], [(id, _)] if *id == term.root);
     let mut sum = Affine::default();
     for term in all.iter().filter(|term| is_linear(term)) {
@@ -226,7 +193,7 @@ fn join_linear(system: &mut Expressions, columns: &Columns, m: usize, all: &mut 
 /// that are not coupled; they are taken out.
 fn quadratic(
     system: &mut Expressions,
-    columns: &Columns,
+    columns: &[Field],
     m: usize,
     all: &mut Vec<Term>,
 ) -> Option<Single> {
@@ -251,9 +218,10 @@ fn quadratic(
     for (k, slope) in gradient {
         let slope = forms[place(&needed, slope)].as_ref()?;
         for (&i, entry) in &columns[k] {
-            add(&mut field, entry.constant, &Field::from([(i, slope.clone())]));
+            field.entry(i).or_default().add(entry.constant, slope);
         }
     }
+    field.retain(|_, form| !form.is_zero());
     let field = Linear { slopes: Affine::default(), motions: motions(&field)?, field };
     let cubes = || field.motions.iter().map(|motion| motion.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
@@ -313,7 +281,7 @@ fn linear_functions(graph: &Graph, root: Id, dimension: usize) -> Vec<(Id, Affin
 }
 
 /// The flow of a function of linear functions in involution, if B is affine.
-fn linear_kind(columns: &Columns, term: &Term) -> Option<Kind> {
+fn linear_kind(columns: &[Field], term: &Term) -> Option<Kind> {
     let mut all = Involution::default();
     for (_, slopes) in &term.functions {
         if all.multiple(slopes).is_none() {
@@ -328,11 +296,14 @@ fn linear_kind(columns: &Columns, term: &Term) -> Option<Kind> {
 }
 
 impl Linear {
-    fn new(columns: &Columns, slopes: Affine) -> Option<Self> {
+    fn new(columns: &[Field], slopes: Affine) -> Option<Self> {
         let mut field = Field::new();
         for (&k, &slope) in &slopes.slopes {
-            add(&mut field, slope, &columns[k]);
+            for (&i, form) in &columns[k] {
+                field.entry(i).or_default().add(slope, form);
+            }
         }
+        field.retain(|_, form| !form.is_zero());
         Some(Self { slopes, motions: motions(&field)?, field })
     }
 
@@ -340,9 +311,9 @@ impl Linear {
     fn over(&self, other: &Self) -> Option<f64> {
         let (k, form) = other.field.iter().next()?;
         let ratio = self.field.get(k)?.over(form)?;
-        let mut rest = self.field.clone();
-        add(&mut rest, -ratio, &other.field);
-        rest.is_empty().then_some(ratio)
+        let is_multiple = |(form, of): (&Affine, &Affine)| form.is_multiple(ratio, of);
+        let same = self.field.keys().eq(other.field.keys());
+        (same && self.field.values().zip(other.field.values()).all(is_multiple)).then_some(ratio)
     }
 
     /// Whether {ℓ, ℓ′} = 0.
@@ -384,7 +355,7 @@ fn motions(field: &Field) -> Option<Vec<Motion>> {
 
 /// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k
 /// on.
-fn vectors(columns: &Columns) -> Vec<Option<[usize; 3]>> {
+fn vectors(columns: &[Field]) -> Vec<Option<[usize; 3]>> {
     // The two components that the field of yₖ turns as y × eₖ does.
     let axis = |k: usize| {
         let mut moved = columns[k].iter();

@@ -2,10 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use expression::{Graph, Id};
+use expression::{Affine, Graph, Id};
 
 /// Components of a vector that are not zero.
 pub type Sparse = BTreeMap<usize, Id>;
+
+/// The components of an affine field that are not zero.
+pub type Field = BTreeMap<usize, Affine>;
 
 /// Σ uₖvₖ.
 pub fn dot(graph: &mut Graph, u: &Sparse, v: &Sparse) -> Id {

@@ -232,11 +232,11 @@ fn wrong_definitions_are_named() {
     let table: [(Change, &str); 14] = [
         (
             |d| d.structure = Structure::Entries([((0, 2), "c*q".into())].into()),
-            "entries of B have a row below their column, which is below 2, got row 0, column 2",
+            "an entry of B has row < column < 2, counted from 0, got row 0, column 2",
         ),
         (
             |d| d.structure = Structure::Entries([((1, 0), "c*q".into())].into()),
-            "entries of B have a row below their column, which is below 2, got row 1, column 0",
+            "an entry of B has row < column < 2, counted from 0, got row 1, column 0",
         ),
         (|d| d.state[1] = "p".into(), "`p` is given twice, or a constant"),
         (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),

@@ -1,6 +1,6 @@
 //! The exact flows of a lattice, for splitting.
 
-use real::{Kernel, Row, WIDTH};
+use real::{Kernel, Row, WIDTH, path};
 
 use super::{
     formulas::Couplings,
@@ -97,7 +97,7 @@ impl<const L: usize> Kernel for Flow<'_, L> {
                     let mut spins: [[f64; L]; 3] = get(y, (begin + q, plane));
                     let mut others: [[f64; L]; 3] = get(y, (other + q, other_plane));
                     for p in 0..L {
-                        let (a, b) = turned(lane(&spins, p), lane(&others, p), -exchange * h.dt);
+                        let (a, b) = turned(path(&spins, p), path(&others, p), -exchange * h.dt);
                         set(&mut spins, p, a);
                         set(&mut others, p, b);
                     }
@@ -114,7 +114,7 @@ impl<const L: usize> Kernel for Flow<'_, L> {
                     dw = get(noises, (of_noise.0 + q, of_noise.1));
                 }
                 for p in 0..L {
-                    let (s, dw) = (lane(&spins, p), lane(&dw, p));
+                    let (s, dw) = (path(&spins, p), path(&dw, p));
                     let axis = match part {
                         Part::Anisotropy => [0.0, 0.0, -anisotropy * h.dt * s[2]],
                         _ => [0, 1, 2].map(|c| -(field[c] * h.dt + noise * dw[c])),
@@ -132,12 +132,6 @@ impl<const L: usize> Kernel for Flow<'_, L> {
 fn turned(a: [f64; 3], b: [f64; 3], weight: f64) -> ([f64; 3], [f64; 3]) {
     let axis = [weight * (a[0] + b[0]), weight * (a[1] + b[1]), weight * (a[2] + b[2])];
     (cayley_cross(a, axis), cayley_cross(b, axis))
-}
-
-/// Written out: a loop over the components is not kept in registers.
-#[inline(always)]
-fn lane<const L: usize>(spins: &[[f64; L]; 3], p: usize) -> [f64; 3] {
-    [spins[0][p], spins[1][p], spins[2][p]]
 }
 
 #[inline(always)]
