@@ -56,7 +56,7 @@ impl Hamiltonians {
         found.methods.push(("energy(y, dt, dw) is not linear in (dt, dw)", linear));
         let mut sound = true;
         // Of a transverse field it is more than ∇h.
-        if !sight.probe.description().is_transverse {
+        if !sight.probe.description().has_bath {
             let gradient = sight.gradient(&weights);
             sound = !gradient.fails();
             found.methods.push(("gradient is not the gradient of energy", gradient));

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Event, Parameter, Seed, Start, Structure, Text, Values};
+use super::values::{At, Count, Event, Few, Parameter, Seed, Start, Structure, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Deserialize, JsonSchema)]
@@ -16,6 +16,9 @@ pub struct SceneFile {
     pub system: SystemTable,
     /// Linear damping −γ(t)y. Default: none.
     pub damping: Option<DampingTable>,
+    /// A heat bath; or several, each at its temperature, by `[[bath]]`. Default: none.
+    #[serde(default)]
+    pub bath: Few<BathTable>,
     /// Settings of the simulation.
     pub run: RunTable,
     /// Functions of the state that are of interest, by name.
@@ -95,8 +98,25 @@ pub struct DampingTable {
     /// Rates of components or vectors by name, in the place of `rate`. Others have none.
     #[serde(default)]
     pub rates: IndexMap<At<String>, At<Text>>,
-    /// kT, in the place of `H`: friction on momenta gets the noise of a heat bath.
-    pub temperature: Option<At<Text>>,
+}
+
+/// A heat bath: noise and the damping that belongs to it, with exp(−H₀/kT) as its law.
+#[derive(Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BathTable {
+    /// kT, a formula in t and the parameters.
+    pub temperature: At<Text>,
+    /// Functions Φ(y) through which it acts: the noise B∇Φ ∘ (dW + u dt) with u = −{H₀, Φ}/2kT.
+    #[serde(default)]
+    pub through: Vec<At<Text>>,
+    /// Rates γ of friction on momenta or vectors of them by name: Φ = √(2γmkT) q with the
+    /// coordinate q and the mass m of the momentum.
+    #[serde(default)]
+    pub friction: IndexMap<At<String>, At<Text>>,
+    /// The damping α of Landau and Lifshitz of spins by name, `s` for all spins of a lattice:
+    /// Φ = √(2αkT/|s|) s for each component of a spin s.
+    #[serde(default)]
+    pub transverse: IndexMap<At<String>, At<Text>>,
 }
 
 /// Settings of the simulation.

@@ -45,7 +45,7 @@ mod sweep;
 mod values;
 
 pub use figures::FigureSettings;
-pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
+pub use file::{BathTable, Calculus, ExpectTable, SceneFile, SystemTable, schema};
 use observe::Vocabulary;
 pub use observe::{Further, Observable, Quantity};
 pub(crate) use read::among;

@@ -2,11 +2,19 @@
 
 use std::ops::Range;
 
-use real::{PathMask, Row, WIDTH};
+use real::{
+    PathMask, Row, WIDTH,
+    elementary::{exp, ln},
+};
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
-use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, rules::REACH, wells::Watched};
+use super::{
+    Averaged, EquilibriumSettings,
+    metropolis::MORE,
+    rules::{LEAST_ACCEPTED, REACH, REJECTED},
+    wells::Watched,
+};
 use mc::{PathFailure, Statistic, View, add_rows};
 use study::{Grid, Histogram};
 
@@ -16,6 +24,9 @@ pub const BATCHES: usize = 32;
 const DUE: usize = 24;
 /// Number of batches of the same length before the first, in which chains are spread.
 pub const SPREADING: u64 = BATCHES as u64;
+/// Least and largest number of steps in the first batches of chains that choose them.
+const MIN_STEPS: f64 = 8.0;
+const MAX_STEPS: f64 = 1e12;
 /// Number of bins of a histogram.
 pub const BINS: u32 = 256;
 
@@ -63,8 +74,8 @@ pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {
 /// All chains, with their batches and histograms.
 #[derive(Default, Serialize, Deserialize)]
 pub struct Chains {
-    /// Steps of the coarsest size on [0, T].
-    pub steps: u64,
+    /// The coarsest step size.
+    pub tau: f64,
     /// Number of times that the steps were doubled.
     pub halvings: u32,
     /// Steps of the coarsest size in a batch.
@@ -86,15 +97,67 @@ pub struct Chains {
     /// The first failure.
     pub failure: Option<String>,
     averages: usize,
+    /// Number of step sizes.
+    pub levels: usize,
+    /// Parts of the moves that were accepted since batches count, by H₀ and by noises.
+    pub accepted: [f64; 2],
 }
 
 impl Chains {
-    pub fn new(settings: &EquilibriumSettings, of: Averaged<'_>) -> Self {
+    pub fn new(
+        settings: &EquilibriumSettings,
+        of: Averaged<'_>,
+        levels: usize,
+        t_end: f64,
+    ) -> Self {
         let batches = BATCHES as u64;
-        let coarse = settings.steps.div_ceil(1 << (LEVELS - 1));
+        let coarse = settings.steps.div_ceil(1 << (levels - 1));
         // An even number in each batch, for schemes that alternate.
         let steps = coarse.next_multiple_of(2 * batches);
-        Self { steps, batch_steps: steps / batches, averages: of.count(), ..Self::default() }
+        let (batch_steps, averages, tau) = (steps / batches, of.count(), t_end / steps as f64);
+        Self { tau, batch_steps, averages, levels, ..Self::default() }
+    }
+
+    /// Path-steps of all levels in a step of the coarsest.
+    pub fn each(&self) -> u64 {
+        (1 << self.levels) - 1
+    }
+
+    /// Notes how many moves were accepted, and chooses the step size for the `time` of a batch while
+    /// chains are spread: a rejection by H₀ is of order τ³, one by noises of order √τ, and where a
+    /// chain stands still the step is too long for where it is.
+    pub fn adapt(&mut self, dimension: usize, time: f64) {
+        let mut sums = [0.0; MORE];
+        let mut stands = false;
+        for block in &self.blocks {
+            let rows = &block.states[0][dimension..];
+            sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row.iter().sum::<f64>());
+            stands |= rows[1].contains(&0.0);
+        }
+        let (chains, is_spread) = (self.chains(), self.number < SPREADING);
+        if self.number == SPREADING {
+            self.spent_before = self.spent;
+        }
+        let steps = match self.number <= SPREADING {
+            true => self.batch_steps,
+            false => (self.spent - self.spent_before) / chains,
+        };
+        let all = (steps * chains) as f64;
+        self.accepted = [sums[1] / all, sums[2] / all];
+        if is_spread {
+            let by_energy = exp(ln(REJECTED / (1.0 - self.accepted[0]).max(1e-9)) / 3.0);
+            let by_noise = match self.accepted[1] {
+                0.0 => f64::INFINITY,
+                accepted => (LEAST_ACCEPTED / (1.0 - accepted).max(1e-9)).powi(2),
+            };
+            let factor = if stands { 0.5 } else { by_energy.min(by_noise).clamp(0.5, 2.0) };
+            self.tau *= factor;
+            self.batch_steps = (time / self.tau).ceil().clamp(MIN_STEPS, MAX_STEPS) as u64;
+        }
+    }
+
+    fn chains(&self) -> u64 {
+        (self.blocks.len() * WIDTH) as u64
     }
 
     /// Whether averages can be formed: when batches are full, and between.
@@ -151,10 +214,10 @@ impl Chains {
         let spreading = self.number < SPREADING;
         batch.sort_by_key(|sums| sums.block.first);
         let chains = batch.len() * WIDTH;
-        self.spent += self.batch_steps * STEPS * chains as u64;
+        self.spent += self.batch_steps * self.each() * chains as u64;
         self.number += 1;
         let exactly = || Vec::with_capacity(chains);
-        let mut values: Batch = (0..(LEVELS + 1) * self.averages).map(|_| exactly()).collect();
+        let mut values: Batch = (0..(self.levels + 1) * self.averages).map(|_| exactly()).collect();
         let scale = 1.0 / self.batch_steps as f64;
         for sums in &batch {
             let rows = values.iter_mut().zip(&sums.sums);
@@ -179,7 +242,7 @@ impl Chains {
         self.failure = self.failure.take().or(failures.first().map(words));
         let first = values.len();
         for block in &self.blocks {
-            let seen = watched.values(&block.states[LEVELS - 1]);
+            let seen = watched.values(&block.states[self.levels - 1]);
             values.resize_with(first + seen.len(), exactly);
             values[first..].iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
         }
@@ -220,7 +283,7 @@ impl Chains {
     pub fn halve(&mut self) {
         self.failure = None;
         self.failed_before = self.failed();
-        self.steps *= 2;
+        self.tau *= 0.5;
         self.batch_steps *= 2;
         self.halvings += 1;
         self.spent_before = self.spent;
@@ -242,8 +305,8 @@ impl Chains {
             let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
             sum / f64::from(count.max(1))
         };
-        let mean = of((LEVELS - 1) * self.averages + k);
-        let deviation = (of(LEVELS * self.averages + k) - mean * mean).max(0.0).sqrt();
+        let mean = of((self.levels - 1) * self.averages + k);
+        let deviation = (of(self.levels * self.averages + k) - mean * mean).max(0.0).sqrt();
         let range = (mean - REACH * deviation, mean + REACH * deviation);
         Histogram::empty(Grid::covering(Some(range), BINS))
     }
@@ -268,12 +331,12 @@ pub struct Gather<'a> {
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let Self { of, chains, blocks } = self;
-        let (count, first) = (of.count(), view.first_path);
+        let (count, first, levels) = (of.count(), view.first_path, chains.levels);
         let known = blocks.iter().rposition(|sums| sums.block.first == first);
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
                 block: Block { first, live: view.live.0, states: Vec::new() },
-                sums: vec![[0.0; WIDTH]; (LEVELS + 1) * count],
+                sums: vec![[0.0; WIDTH]; (levels + 1) * count],
                 counts: chains.histograms.iter().map(|of| vec![0; of.grid.cells()]).collect(),
             });
             blocks.len() - 1
@@ -282,7 +345,7 @@ impl Statistic for Gather<'_> {
         let is_last = view.time == chains.batch_steps;
         if is_last {
             block.live = view.live.0;
-            block.states = (0..LEVELS).map(|run| view.state(run).to_vec()).collect();
+            block.states = (0..levels).map(|run| view.state(run).to_vec()).collect();
         }
         match of {
             Averaged::Of(observables) => {
@@ -290,11 +353,11 @@ impl Statistic for Gather<'_> {
                     let mut add =
                         |row: usize, values: Row| add_rows(&mut sums[row * count + k..], &[values]);
                     let mut values = [0.0; WIDTH];
-                    for run in 0..LEVELS {
+                    for run in 0..levels {
                         values = phi.values(view.state(run), view.live);
                         add(run, values);
                     }
-                    add(LEVELS, values.map(|x| x * x));
+                    add(levels, values.map(|x| x * x));
                     let known = chains.histograms.get(k).zip(chains.block(first));
                     if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];
@@ -305,7 +368,7 @@ impl Statistic for Gather<'_> {
                 }
             }
             Averaged::Growth(_) if is_last => {
-                for run in 0..LEVELS {
+                for run in 0..levels {
                     let state = view.state(run);
                     let grown = &state[state.len() - count..];
                     sums[run * count..][..count].copy_from_slice(grown);

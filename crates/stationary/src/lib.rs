@@ -59,6 +59,7 @@
 
 mod chains;
 mod growth;
+mod metropolis;
 mod report;
 mod rules;
 mod wells;
@@ -70,10 +71,11 @@ use real::{Row, WIDTH};
 
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use expectation::{ExpectSettings, Told};
-use mc::{Checkpoint, Measured, Observe, RunError, Setup, Tangents, demand, parts::Stop};
+use mc::{Checkpoint, Measured, Observe, Problem, RunError, Setup, Tangents, demand, parts::Stop};
 use rules::{HEAT, MAX_REVIVALS};
 use wells::Watched;
 
+pub use metropolis::Metropolis;
 pub use report::{Averages, StationaryMean};
 
 /// The quantities that are averaged along chains.
@@ -154,12 +156,12 @@ pub struct Equilibrium<'a> {
     pub watched: Vec<&'a dyn Observe>,
     /// Names of the components; y1, y2, … unless set.
     pub components: Vec<String>,
+    /// Whether steps have no bias, see [`exact`](Self::exact).
+    pub exact: bool,
 }
 
-/// Number of step sizes of a chain.
+/// Number of step sizes of a chain whose step has a bias.
 pub(crate) const LEVELS: usize = 3;
-/// Path-steps of all levels in a step of the coarsest.
-const STEPS: u64 = (1 << LEVELS) - 1;
 /// Largest number of halvings of the steps.
 const MAX_HALVINGS: u32 = 20;
 
@@ -173,7 +175,19 @@ impl<'a> Equilibrium<'a> {
             checkpoint: None,
             watched: Vec::new(),
             components: Vec::new(),
+            exact: false,
         }
+    }
+
+    /// Averages over e^{−βH₀} without a bias of the step.
+    pub fn exact(
+        problem: Problem<'a>,
+        sampler: Metropolis<'a>,
+        settings: EquilibriumSettings,
+    ) -> Self {
+        let problem = Problem { noises: sampler.noises(), ..problem };
+        let setup = Setup { problem, scheme: Arc::new(sampler) };
+        Self { exact: true, ..Self::new(setup, settings) }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
@@ -220,11 +234,11 @@ impl<'a> Equilibrium<'a> {
         let watched = Watched { functions, names, dimension, chains: number };
         self.demand(of, watched)?;
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
-        let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));
+        let mut chains = kept.unwrap_or_else(|| self.begin(of));
         let (mut found, mut reached) = (None, false);
         loop {
             if chains.is_due() {
-                let tau = setup.problem.t_end / chains.steps as f64;
+                let tau = chains.tau;
                 let id = setup.scheme.about().id;
                 let now = Averages::new(&chains, settings, (of, id, tau), accuracy, watched);
                 let half_width = now.half_width();
@@ -269,6 +283,12 @@ impl<'a> Equilibrium<'a> {
         found.ok_or(RunError::Stopped)
     }
 
+    /// Chains that have not begun.
+    fn begin(&self, of: Averaged<'_>) -> Chains {
+        let levels = if self.exact { 1 } else { LEVELS };
+        Chains::new(&self.settings, of, levels, self.setup.problem.t_end)
+    }
+
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
         let Self { setup: Setup { problem, .. }, settings, .. } = self;
         let EquilibriumSettings { steps, chains, weak_order, .. } = *settings;
@@ -288,25 +308,26 @@ impl<'a> Equilibrium<'a> {
 
     /// Path-steps of `batches` batches.
     fn cost(&self, chains: &Chains, batches: usize) -> u64 {
-        let each = self.settings.blocks_of_chains() * STEPS;
+        let each = self.settings.blocks_of_chains() * chains.each();
         chains.batch_steps.saturating_mul(batches as u64).saturating_mul(each)
     }
 
     /// Refuses chains whose first averages, which need twice the time, take more path-steps than
     /// allowed, or that take more memory than there is.
     fn demand(&self, of: Averaged<'_>, watched: Watched<'_>) -> Result<(), RunError> {
-        let (settings, max_cost) = (&self.settings, self.settings.max_cost);
-        let pilot_cost = self.cost(&Chains::new(settings, of), SPREADING as usize + 2 * BATCHES);
+        let max_cost = self.settings.max_cost;
+        let pilot_cost = self.cost(&self.begin(of), SPREADING as usize + 2 * BATCHES);
         if pilot_cost > max_cost {
             return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
         let Watched { chains, dimension, .. } = watched;
         let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
-        let rows = (LEVELS + 1) * of.count() + watched.names().len();
+        let levels = if self.exact { 1 } else { LEVELS };
+        let rows = (levels + 1) * of.count() + watched.names().len();
         // With batches that are joined, a batch that is gathered, and its histograms.
         let batches =
             3 * BATCHES / 2 * rows + 2 * rows + of.count() * (BINS as usize).div_ceil(WIDTH);
-        let kept = batches + 3 * LEVELS * dimension * vectors;
+        let kept = batches + 3 * levels * dimension * vectors;
         let what = format!("{chains} chains of {dimension} components");
         Ok(demand(what, 8.0 * kept as f64 * chains as f64)?)
     }
@@ -320,13 +341,14 @@ impl<'a> Equilibrium<'a> {
     ) -> Result<bool, RunError> {
         let &EquilibriumSettings { key, truncation, ref stop, .. } = &self.settings;
         let mut batch = setup.clone();
-        let tau = setup.problem.t_end / chains.steps as f64;
-        batch.problem.t_end = tau * chains.batch_steps as f64;
+        batch.problem.t_end = chains.tau * chains.batch_steps as f64;
         let family = (key, Purpose::Batch(chains.number));
-        let finest = chains.batch_steps << (LEVELS - 1);
+        let finest = chains.batch_steps << (chains.levels - 1);
         let number = self.settings.blocks_of_chains();
-        let mut ladder = batch.ladder(finest, LEVELS - 1, truncation, family, number)?;
-        if chains.number < SPREADING {
+        let mut ladder = batch.ladder(finest, chains.levels - 1, truncation, family, number)?;
+        // Chains that choose their step come to rest again.
+        let heated = if self.exact { SPREADING / 2 } else { SPREADING };
+        if chains.number < heated {
             ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
         }
         let known = &*chains;
@@ -343,6 +365,9 @@ impl<'a> Equilibrium<'a> {
             return Ok(false);
         }
         chains.take(blocks, failures, &first, watched);
+        if self.exact {
+            chains.adapt(watched.dimension, setup.problem.t_end / BATCHES as f64);
+        }
         Ok(true)
     }
 }

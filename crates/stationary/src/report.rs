@@ -29,8 +29,10 @@ pub struct Averages {
     pub means: Vec<StationaryMean>,
     /// Half-width that was asked for.
     pub accuracy: f64,
-    /// The step sizes 4τ, 2τ, τ.
-    pub taus: [f64; LEVELS],
+    /// The step sizes 4τ, 2τ, τ; one where steps have no bias.
+    pub taus: Vec<f64>,
+    /// Parts of the moves that were accepted where steps have no bias, by H₀ and by noises.
+    pub accepted: Option<[f64; 2]>,
     /// Number of chains.
     pub chains: usize,
     /// Length of each chain in time.
@@ -71,7 +73,7 @@ pub struct StationaryMean {
     pub effective_samples: Option<f64>,
     /// Mean at each step size, its difference from that at the finest, and the standard error of
     /// the difference, in which most of the noise cancels.
-    pub levels: [(f64, f64, f64); LEVELS],
+    pub levels: Vec<(f64, f64, f64)>,
     /// Reason why the average is unknown.
     pub unknown: Option<Warning>,
     /// Histogram of the values after the burn-in.
@@ -119,7 +121,7 @@ fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
 /// The means of chains after a burn-in.
 struct Kept {
     /// Means of each chain at each step size.
-    means: [Vec<f64>; LEVELS],
+    means: Vec<Vec<f64>>,
     /// Mean square over all chains at the finest step size.
     square: f64,
     /// Variance over the chains of their means, if batches were independent.
@@ -129,8 +131,10 @@ struct Kept {
 }
 
 impl Kept {
+    /// Moments of a sum over step sizes, with weights of the last ones.
     fn moments(&self, weights: [f64; LEVELS]) -> CentralMoments {
-        let one = |n: usize| (0..LEVELS).map(|run| weights[run] * self.means[run][n]).sum::<f64>();
+        let weights = &weights[LEVELS - self.means.len()..];
+        let one = |n: usize| weights.iter().zip(&self.means).map(|(w, means)| w * means[n]).sum();
         moments((0..self.means[0].len()).map(one))
     }
 
@@ -154,7 +158,8 @@ impl Averages {
         let is_average = matches!(of, Averaged::Of(_));
         let (unit, least) =
             if is_average { (1.0, 0.0) } else { (1.0 / tau, NEGLIGIBLE * accuracy) };
-        let finest = |k: usize| (LEVELS - 1) * count + k;
+        let levels = chains.levels;
+        let finest = |k: usize| (levels - 1) * count + k;
         // The sum of exponents is known to settle.
         let settling = if is_average { count } else { (count - 1).max(1) };
         let burn_ins = (0..count).map(|k| burn_in(&living, finest(k), least / unit));
@@ -166,13 +171,13 @@ impl Averages {
             let means = |row: usize| living.sums(row, first..batches).map(|sum| sum * unit / late);
             let all = (first..batches).map(|b| spread(&living, finest(k), b)).sum::<f64>();
             Kept {
-                means: std::array::from_fn(|run| means(run * count + k).collect()),
-                square: means(LEVELS * count + k).sum::<f64>() / live as f64,
+                means: (0..levels).map(|run| means(run * count + k).collect()).collect(),
+                square: means(levels * count + k).sum::<f64>() / live as f64,
                 of_batches: all * unit * unit / (late * late),
                 time: time * late / batches as f64,
             }
         };
-        let wells = watched.wells(&living, (count, is_average), first);
+        let wells = watched.wells(&living, (count, is_average, levels), first);
         let names = of.names().into_iter().enumerate().zip(wells);
         let means = names.map(|((k, name), well)| {
             let mut mean = mean(&kept(k), settings.weak_order, name, is_average);
@@ -218,7 +223,8 @@ impl Averages {
             scheme: scheme.into(),
             means,
             accuracy,
-            taus: [tau, 0.5 * tau, 0.25 * tau],
+            taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
+            accepted: (levels == 1).then_some(chains.accepted),
             chains: live,
             time,
             burn_in: time * first as f64 / batches as f64,
@@ -311,8 +317,11 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         (mean, sampling, (whole - sampling).max(0.0), (seen.0.abs(), seen.1))
     });
     let is_shorter = extrapolated.1 + extrapolated.2 < plain.1 + plain.2;
-    let (mean, sampling, bias, seen) = if is_shorter { extrapolated } else { plain };
+    let (mean, sampling, mut bias, mut seen) = if is_shorter { extrapolated } else { plain };
     let finest = kept.moments([0.0, 0.0, 1.0]);
+    if kept.means.len() == 1 {
+        (bias, seen) = (0.0, (0.0, 0.0));
+    }
     let variance = kept.square - finest.mean() * finest.mean();
     let deviation = if variance > 1e-14 * kept.square { variance.sqrt() } else { 0.0 };
     let of_mean = finest.variance();
@@ -354,7 +363,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         deviation,
         autocorrelation_time: is_average.then_some(0.5 * kept.time * ratio),
         effective_samples: is_average.then_some(count / ratio),
-        levels: std::array::from_fn(level),
+        levels: (LEVELS - kept.means.len()..LEVELS).map(level).collect(),
         unknown,
         histogram: None,
         lengths,
@@ -370,14 +379,14 @@ impl fmt::Display for Averages {
             let StationaryMean { name, sampling, bias, unsettled, autocorrelation_time, .. } = mean;
             let half_width = mean.half_width();
             let value = written(mean.mean, half_width);
-            write!(
-                f,
-                "{name:longest$} = {value} ± {half_width:.1e} (sampling {sampling:.1e}, step {bias:.1e}"
-            )?;
-            if *unsettled > 0.0 {
-                write!(f, ", growth {unsettled:.1e}")?;
+            write!(f, "{name:longest$} = {value} ± {half_width:.1e}")?;
+            if self.accepted.is_none() {
+                write!(f, " (sampling {sampling:.1e}, step {bias:.1e}")?;
+                if *unsettled > 0.0 {
+                    write!(f, ", growth {unsettled:.1e}")?;
+                }
+                write!(f, ")")?;
             }
-            write!(f, ")")?;
             if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
                 && mean.deviation > 0.0
             {
@@ -395,14 +404,23 @@ impl fmt::Display for Averages {
                 writeln!(f, "  cannot tell: {why}")?;
             }
         }
-        let Self { scheme, taus: [coarse, middle, fine], chains, accuracy, .. } = self;
+        let Self { scheme, taus, chains, accuracy, accepted, .. } = self;
         let [time, burn_in] = [self.time, self.burn_in].map(short);
+        let taus = taus.iter().map(|tau| format!("{tau:.2e}")).collect::<Vec<_>>().join(", ");
         writeln!(
             f,
-            "{scheme} with steps {coarse:.2e}, {middle:.2e}, {fine:.2e}; {chains} chains of length \
-             {time}, burn-in {burn_in}; {:.2e} path-steps",
+            "{scheme} with steps {taus}; {chains} chains of length {time}, burn-in {burn_in}; \
+             {:.2e} path-steps",
             self.spent as f64
         )?;
+        if let Some([by_energy, by_noise]) = accepted {
+            let percent = |part: &f64| format!("{:.1} %", 100.0 * part);
+            write!(f, "exact: Metropolis; accepted {}", percent(by_energy))?;
+            match *by_noise > 0.0 {
+                true => writeln!(f, ", of moves by noises {}", percent(by_noise))?,
+                false => writeln!(f)?,
+            }
+        }
         for why in &self.unknown {
             writeln!(f, "cannot tell: {why}")?;
         }

@@ -34,6 +34,11 @@ pub const MIN_FALL: f64 = 0.85;
 /// remain. Without it steps are halved at a singular point, where chains fail at any step size.
 pub const MAX_REVIVALS: u32 = 3;
 
+/// Part of the moves by H₀ that are rejected, and of those by noises, for which the exact sampler
+/// chooses its step. With fewer, steps are short; with more, chains turn round or stand still.
+pub const REJECTED: f64 = 0.04;
+pub const LEAST_ACCEPTED: f64 = 0.4;
+
 // Whether chains are long enough.
 
 /// Least length of a chain in autocorrelation times. Shorter ones may have seen one side of a slow

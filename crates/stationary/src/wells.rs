@@ -19,7 +19,6 @@ use std::ops::Range;
 use real::{PathMask, Row, WIDTH, elementary::ln};
 
 use super::{
-    LEVELS,
     chains::{Living, moments},
     rules::{CONSERVED, DEPENDS, KEEPS},
 };
@@ -97,7 +96,7 @@ impl Watched<'_> {
     pub fn wells(
         &self,
         living: &Living<'_>,
-        (count, own): (usize, bool),
+        (count, own, levels): (usize, bool, usize),
         first: usize,
     ) -> Vec<Option<Well>> {
         let all = living.batches.len();
@@ -105,7 +104,7 @@ impl Watched<'_> {
         let means = |row: usize, batches: Range<usize>| -> Vec<f64> {
             living.means(row, batches).collect()
         };
-        let (finest, watched) = ((LEVELS - 1) * count, (LEVELS + 1) * count);
+        let (finest, watched) = ((levels - 1) * count, (levels + 1) * count);
         let names = self.names();
         let ends = |row: usize| [first - 1, all - 1].map(|end| means(row, end..end + 1));
         if (watched..watched + names.len()).any(|row| is_conserved(&ends(row))) {

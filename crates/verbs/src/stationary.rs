@@ -18,7 +18,7 @@ use crate::{
     failure::{Done, Failure},
     output::Figure,
 };
-use scenes::{Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, refuse};
+use scenes::{AUTO, Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, refuse};
 
 /// Averages over the stationary law with 95 % intervals that include the step error:
 /// `equilibrium(of=["q^2"], accuracy=1e-3)`. Autocorrelation times, burn-in and histograms are in
@@ -154,7 +154,7 @@ fn average(
     // Without a wish, the first averages that chains are long enough for.
     let accuracy = wanted.unwrap_or(f64::MAX);
     scene.source.located(check(scene, exponents.is_none()))?;
-    let ((scheme, because), start) = (scheme(scene), Instant::now());
+    let ((scheme, mut because), start) = (scheme(scene), Instant::now());
     let settings = EquilibriumSettings {
         key: scene.settings.key,
         truncation: scene.settings.truncation,
@@ -165,7 +165,19 @@ fn average(
         ..EquilibriumSettings::new(scene.settings.steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
-    let mut equilibrium = stationary::Equilibrium::new(scene.setup(&scheme)?, settings);
+    // Unless a scheme is named, averages are exact where they can be.
+    let exact = match (exponents, &*scene.settings.scheme) {
+        (None, AUTO) => scene.model.metropolis(),
+        _ => Err("a scheme is named".into()),
+    };
+    let setup = scene.setup(&scheme)?;
+    let mut equilibrium = match exact {
+        Ok(sampler) => {
+            because = None;
+            stationary::Equilibrium::exact(setup.problem, sampler, settings)
+        }
+        Err(_) => stationary::Equilibrium::new(setup, settings),
+    };
     equilibrium.components.clone_from(&scene.components);
     (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
@@ -248,7 +260,7 @@ fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
     match found.means.last() {
         Some(sum)
             if count == d
-                && !system.description().is_transverse
+                && !system.description().has_bath
                 && is_divergence_free(system, &problem.y0) =>
         {
             let (own, off) = (digits(-rate), sum.mean + rate);

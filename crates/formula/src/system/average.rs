@@ -99,7 +99,7 @@ fn averaged_wave(
 }
 
 /// Expressions at another state y.
-fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
+pub fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
     graph.copy(None, roots, |k| state.get(k).copied())
 }
 

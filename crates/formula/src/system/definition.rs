@@ -7,7 +7,7 @@ use std::{
 
 use crate::{Formula, FormulaError, NameError, Names};
 
-/// The texts of a Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ.
+/// The texts of a Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ, and of heat baths that act on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Definition {
     /// The name of the system in reports.
@@ -24,6 +24,25 @@ pub struct Definition {
     pub energy: String,
     /// H₁, …, one for each noise.
     pub noises: Vec<String>,
+    /// Heat baths, whose noises come after these.
+    pub baths: Vec<Bath>,
+}
+
+/// A heat bath at the temperature kT through a function Φ of the state: a noise with the
+/// Hamiltonian Φ whose increments have a drift,
+///
+/// B∇Φ ∘ (dW + u dt) with u = −{H₀, Φ}/2kT and {F, G} = ∇FᵀB∇G.
+///
+/// With baths at one temperature e^{−H₀/kT} is stationary, as a density by the volume of the leaves
+/// of B, whatever Φ is, and Casimirs are kept on every path (Arnaudon, De Castro and Holm,
+/// *J. Nonlinear Sci.* 28, 2018). Φ = σq of a coordinate is friction σ²/2mkT and noise on its
+/// momentum, Φ = σs of a spin the damping of Landau and Lifshitz.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bath {
+    /// The function Φ.
+    pub through: String,
+    /// kT, positive: a formula in t and the parameters.
+    pub temperature: String,
 }
 
 /// The matrix B as texts.
@@ -60,8 +79,10 @@ pub enum Which {
     Structure(usize, usize),
     /// H₀.
     Energy,
-    /// Hₘ for m = 1, ….
+    /// Hₘ for m = 1, …; those of baths come last.
     Noise(usize),
+    /// The temperature of the bath of this number, counted from 1.
+    Temperature(usize),
 }
 
 impl Display for Which {
@@ -73,6 +94,7 @@ impl Display for Which {
             Self::Structure(row, column) => write!(f, "B, row {row}, column {column}"),
             Self::Energy => f.write_str("H0"),
             Self::Noise(m) => write!(f, "H, noise {m}"),
+            Self::Temperature(m) => write!(f, "the temperature of bath {m}"),
         }
     }
 }
@@ -109,11 +131,13 @@ pub(super) struct Formulas {
     pub structure: Vec<((usize, usize), Formula)>,
     /// H₀, H₁, …, whose last variable is the time.
     pub hamiltonians: Vec<Formula>,
+    /// kT of the baths of the last Hamiltonians.
+    pub temperatures: Vec<Formula>,
 }
 
 impl Formulas {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let Definition { state, vectors, parameters, structure, energy, noises, .. } = definition;
+        let Definition { state, vectors, parameters, structure, energy, .. } = definition;
         let mut names = Names::with_variables(state)?;
         for (name, components) in vectors {
             names.vector(name, components)?;
@@ -147,9 +171,29 @@ impl Formulas {
         check_initial_value(state, y0)?;
         let mut structure = upper(structure, y0, parsed)?;
         structure.retain(|(_, entry)| !entry.graph.is_zero(entry.root));
+        let through = definition.baths.iter().map(|bath| &bath.through);
+        let noises = definition.noises.iter().chain(through);
         let hamiltonians = std::iter::once(energy).chain(noises).enumerate().map(hamiltonian);
         let hamiltonians = hamiltonians.collect::<Result<_, DefinitionError>>()?;
-        Ok(Self { dimension: y0.len(), structure, hamiltonians, names })
+        let temperature = |(m, bath): (usize, &Bath)| {
+            let which = Which::Temperature(m + 1);
+            let kt = parsed(which, &bath.temperature)?;
+            let value = kt.value(&start[..kt.variables.len()]);
+            if let Some(k) = kt.reads().into_iter().find(|&k| k < y0.len()) {
+                let what = format!("{which} depends on `{}`: it may depend on t alone", state[k]);
+                return Err(DefinitionError::new(which, what));
+            }
+            match value > 0.0 {
+                true => Ok(kt),
+                false => {
+                    let what = format!("{which} must be positive, got {value}");
+                    Err(DefinitionError::new(which, what))
+                }
+            }
+        };
+        let temperatures = definition.baths.iter().enumerate().map(temperature);
+        let temperatures = temperatures.collect::<Result<_, DefinitionError>>()?;
+        Ok(Self { dimension: y0.len(), structure, hamiltonians, temperatures, names })
     }
 }
 

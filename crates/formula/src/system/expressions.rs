@@ -26,6 +26,8 @@ pub struct Expressions {
     pub noises: usize,
     /// H₀, H₁, …
     pub hamiltonians: Vec<Id>,
+    /// The Hamiltonians Φ of heat baths, by their numbers, with u = −{H₀, Φ}/2kT.
+    pub baths: Vec<(usize, Id)>,
     /// The entries of B in each row that are not zero, by their columns.
     pub structure: Vec<Vec<Entry>>,
     /// B(y)v.
@@ -86,6 +88,11 @@ impl Expressions {
         let mut import =
             |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], variable)[0];
         let mut hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
+        let temperatures: Vec<Id> = match rest {
+            None => formulas.temperatures.iter().map(&mut import).collect(),
+            // Baths have no flows, so that nothing is left of them.
+            Some(_) => Vec::new(),
+        };
         let mut structure: Vec<Vec<Entry>> = vec![Vec::new(); dimension];
         for ((i, j), formula) in &formulas.structure {
             let above = import(formula);
@@ -108,6 +115,7 @@ impl Expressions {
             dimension,
             noises,
             hamiltonians,
+            baths: Vec::new(),
             structure,
             field,
             energy,
@@ -121,11 +129,27 @@ impl Expressions {
         let field_along = new.along(&field, &directions);
         let weights = [new.inputs(DT), new.inputs(DW)].concat();
         new.energy = new.graph.dot(&new.hamiltonians, &weights);
-        // ∇(H₀w₀ + H₁w₁ + …).
+        // ∇(H₀w₀ + H₁w₁ + …), with w + u dt for baths.
+        let shifts = new.shifts(&temperatures);
+        new.baths = (noises + 1 - shifts.len()..).zip(shifts).collect();
         let weighted: Vec<(Id, Id)> = new.hamiltonians.iter().copied().zip(weights).collect();
-        let gradient = new.graph.reverse(&weighted, &new.y());
+        let shifted = new.shifted(&weighted, |_, shift, _| shift);
+        let gradient = new.graph.reverse(&shifted, &new.y());
         let hessian = new.along(&gradient, &directions);
-        let averaged = average::averaged_gradient(&mut new.graph, &weighted, &y, &u);
+        // Of ∇̄h, u is taken at the middle, and stands for itself until h is averaged.
+        let own = new.group(TIME).end;
+        let averaged = match &*new.baths {
+            [] => average::averaged_gradient(&mut new.graph, &weighted, &y, &u),
+            _ => {
+                let middle = average::point(&mut new.graph, &y, &u, 0.0);
+                let own_weights = new.shifted(&weighted, |graph, _, m| graph.input(own + m));
+                let averaged = average::averaged_gradient(&mut new.graph, &own_weights, &y, &u);
+                let shifts: Vec<Id> = new.baths.iter().map(|(_, shift)| *shift).collect();
+                let shifts = average::at(&mut new.graph, &shifts, &middle);
+                let first = new.baths[0].0;
+                new.graph.copy(None, &averaged, |k| Some(shifts[k.checked_sub(own + first)?]))
+            }
+        };
         let correction = new.corrected();
         new.operations = vec![
             (Op::Structure { y: Y, v: V }, field),
@@ -147,6 +171,39 @@ impl Expressions {
             new.operations.push((Op::Cayley { y: Y, v: V }, solution));
         }
         new
+    }
+
+    /// u of baths at these temperatures.
+    fn shifts(&mut self, temperatures: &[Id]) -> Vec<Id> {
+        if temperatures.is_empty() {
+            return Vec::new();
+        }
+        let first = self.hamiltonians.len() - temperatures.len();
+        let (_, drift) = self.field_of(0);
+        let shift = |(m, &kt): (usize, &Id)| {
+            // {H₀, Φ} = −∇ΦᵀB∇H₀.
+            let (slope, _) = self.field_of(first + m);
+            let bracket = dot(&mut self.graph, &slope, &drift);
+            let half = self.graph.scale(bracket, 0.5);
+            self.graph.div(half, kt)
+        };
+        temperatures.iter().enumerate().map(shift).collect()
+    }
+
+    /// The weights of Hamiltonians with the drift of those of baths, for which `shift` may put
+    /// something else, from u and the number of the Hamiltonian.
+    fn shifted(
+        &mut self,
+        weighted: &[(Id, Id)],
+        shift: impl Fn(&mut Graph, Id, usize) -> Id,
+    ) -> Vec<(Id, Id)> {
+        let mut all = weighted.to_vec();
+        for &(m, u) in &self.baths {
+            let u = shift(&mut self.graph, u, m);
+            let drift = self.graph.mul(u, weighted[0].1);
+            all[m].1 = self.graph.add(weighted[m].1, drift);
+        }
+        all
     }
 
     /// The inputs of a group.
@@ -275,10 +332,12 @@ impl Expressions {
         })
     }
 
-    /// Whether a Hamiltonian depends on time.
+    /// Whether a Hamiltonian, or the temperature of a bath, depends on time.
     pub fn depend_on_time(&self) -> bool {
         let t = self.group(TIME).start as u32;
-        self.graph.uses(&self.hamiltonians, |node| node == Node::Input(t))
+        let baths = self.baths.iter().map(|(_, u)| *u);
+        let all: Vec<Id> = self.hamiltonians.iter().copied().chain(baths).collect();
+        self.graph.uses(&all, |node| node == Node::Input(t))
     }
 
     /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
@@ -401,12 +460,29 @@ impl Expressions {
         (1..=self.noises).map(|m| self.field_of(m)).collect()
     }
 
-    /// ∇Hₘ and B∇Hₘ of one Hamiltonian.
+    /// ∇Hₘ and B∇Hₘ of one Hamiltonian, with what baths add to those of H₀.
     fn field_of(&mut self, m: usize) -> (Sparse, Sparse) {
         let one = self.graph.constant(1.0);
-        let gradient = self.graph.slopes(&[(self.hamiltonians[m], one)], |k| k < self.dimension);
+        let baths = self.baths.iter().filter(|_| m == 0);
+        let shifts = baths.map(|&(m, u)| (self.hamiltonians[m], u));
+        let weighted: Vec<_> = [(self.hamiltonians[m], one)].into_iter().chain(shifts).collect();
+        let gradient = self.graph.slopes(&weighted, |k| k < self.dimension);
         let field = self.times(&gradient);
         (gradient, field)
+    }
+
+    /// The baths that are linear friction, with the component and the rate.
+    pub fn friction(&mut self) -> Vec<(usize, usize, f64)> {
+        let baths = self.baths.clone().into_iter().enumerate();
+        let rate = |(n, (m, u)): (usize, (usize, Id))| {
+            let (_, field) = self.field_of(m);
+            let (&k, &noise) = field.first_key_value().filter(|_| field.len() == 1)?;
+            self.graph.as_constant(noise)?;
+            let drift = self.graph.mul(u, noise);
+            let rate = self.rate(drift, k)?;
+            Some((n, k, -self.graph.as_constant(rate)?))
+        };
+        baths.filter_map(rate).collect()
     }
 
     /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.

@@ -25,7 +25,7 @@ use systems::{
     },
 };
 
-pub use definition::{Definition, DefinitionError, Structure, Which};
+pub use definition::{Bath, Definition, DefinitionError, Structure, Which};
 
 use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
@@ -89,15 +89,43 @@ impl FormulaSystem {
     /// # Errors
     /// [`DefinitionError`] with the formula and the place in it.
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let formulas = Arc::new(Formulas::new(definition, y0)?);
+        Ok(Self::with_parts(definition, Arc::new(Formulas::new(definition, y0)?), y0))
+    }
+
+    /// The system of formulas, with the flows of its parts.
+    fn with_parts(definition: &Definition, formulas: Arc<Formulas>, y0: &[f64]) -> Self {
         let mut expressions = Expressions::new(&formulas, None);
+        if !expressions.baths.is_empty() {
+            let none = Err("what a heat bath does has no exact flow".into());
+            return Self::of(definition, formulas, expressions, none, y0);
+        }
         let (parts, graph, rest) = expressions.find_parts(&definition.state);
         let rest = (parts.is_ok() && !rest.is_empty()).then(|| {
             let expressions = Expressions::new(&formulas, Some((&graph, &rest)));
             let none = Err("it is a part itself".into());
             Box::new(Self::of(definition, Arc::clone(&formulas), expressions, none, y0))
         });
-        Ok(Self { rest, ..Self::of(definition, formulas, expressions, parts, y0) })
+        Self { rest, ..Self::of(definition, formulas, expressions, parts, y0) }
+    }
+
+    /// The system with H₀ = 0 and the noises H₀, H₁, …, whose flows follow single Hamiltonians for
+    /// times that differ from path to path; without baths.
+    #[must_use]
+    pub fn by_flows(&self, y0: &[f64]) -> Self {
+        let Self { description: Description { name, .. }, formulas, .. } = self;
+        let names = formulas.names.clone();
+        let zero = Formula::parse("0", &names).expect("a number is a formula");
+        let hamiltonians = [zero].into_iter().chain(formulas.hamiltonians.iter().cloned());
+        let formulas = Formulas {
+            dimension: formulas.dimension,
+            structure: formulas.structure.clone(),
+            hamiltonians: hamiltonians.collect(),
+            temperatures: Vec::new(),
+            names,
+        };
+        let state = formulas.names.variables().to_vec();
+        let definition = Definition { name: name.clone(), state, ..Definition::default() };
+        Self::with_parts(&definition, Arc::new(formulas), y0)
     }
 
     fn of(
@@ -136,7 +164,7 @@ impl FormulaSystem {
         let rule = Rule::new(nodes).expect("a rule has a node or more");
         let parameters =
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
-        let (dimension, noises) = (definition.state.len(), definition.noises.len());
+        let (dimension, noises) = (definition.state.len(), formulas.hamiltonians.len() - 1);
         let has_guard = expressions.have_domain();
         let [noises_commute, jacobi_holds] = expressions.commutators(y0);
         let description = Description {
@@ -146,6 +174,7 @@ impl FormulaSystem {
             always_solvable,
             has_guard,
             depends_on_time: expressions.depend_on_time(),
+            has_bath: !expressions.baths.is_empty(),
             jacobi_holds,
             noises_commute,
             parts,
@@ -170,6 +199,13 @@ impl FormulaSystem {
     #[must_use]
     pub fn names(&self) -> &Names {
         &self.formulas.names
+    }
+
+    /// The baths that are linear friction: number of the bath, component, and rate γ, where
+    /// B∇Φ u = −γy on one component, with constant B∇Φ and γ.
+    #[must_use]
+    pub fn friction(&self) -> Vec<(usize, usize, f64)> {
+        self.expressions.clone().friction()
     }
 
     /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each

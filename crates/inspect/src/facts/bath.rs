@@ -33,7 +33,7 @@ impl Bath {
     /// Computes the stationary densities of a system; its components have constant damping `rates`.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
         let (mut probe, mut states) = seen(system, y0);
-        let transverse = probe.description().is_transverse;
+        let transverse = probe.description().has_bath;
         if transverse {
             states.iter_mut().for_each(|y| scale_spins(y, y0));
         }

@@ -102,7 +102,7 @@ fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
     };
     let (description, drift) = (system.description(), slope(0));
     !description.depends_on_time
-        && !description.is_transverse
+        && !description.has_bath
         && (1..=description.noises).all(|m| multiple(&drift, &slope(m)).is_some())
 }
 

@@ -57,7 +57,7 @@ impl Conserved {
         let system = system.description();
         let scheme = match self.areas {
             _ if system.parts.as_ref().is_ok_and(|parts| parts.preferred) => "split",
-            _ if system.is_transverse => "sexp-li",
+            _ if system.has_bath => "sexp-li",
             true => "sexp-levy",
             false => "sexp",
         };
@@ -75,7 +75,7 @@ impl Conserved {
         let causes = [
             (self.noise, "the noise"),
             (self.damped, "the damping"),
-            (system.is_transverse, "the transverse damping"),
+            (system.has_bath, "the transverse damping"),
             (system.depends_on_time, "what depends on time"),
         ];
         let causes = causes.iter().filter(|(acts, _)| *acts && !self.energy);

@@ -11,11 +11,12 @@ use casimir::{
 
 use super::{
     AtRunTime, Built,
-    damping::{bath, damping, rates},
+    bath::baths,
+    damping::{constant, damping},
 };
 use crate::{
-    At, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text, Wrong,
-    place as place_of, refuse, structure as texts,
+    At, BathTable, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text,
+    Wrong, place as place_of, refuse, structure as texts,
 };
 
 /// Bytes of an entry of B, and those of what is made of a component.
@@ -62,16 +63,27 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         structure: texts((&state, &constants.names), structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
+        baths: Vec::new(),
     };
     let y0 = &settings.initial;
-    if let Some(temperature) = file.damping.as_ref().and_then(|table| table.temperature.as_ref()) {
-        let rates = rates(reading, &definition.state, &state.vectors)?;
-        definition.noises = bath(reading, &definition, &rates, temperature)?;
+    baths(reading, &mut definition, y0)?;
+    let made = |definition: &Definition| {
+        let system = FormulaSystem::new(definition, y0);
+        system.map_err(|error| misdefined(reading, &state, &error))
+    };
+    let mut system = made(&definition)?;
+    let (damping, mut friction) = damping(reading, &definition.state, &state.vectors)?;
+    // Baths that are friction and noise of one component, and are exact as such.
+    let (of_baths, first) = (system.friction(), definition.noises.len());
+    for &(m, component, rate) in of_baths.iter().rev() {
+        definition.noises.insert(first, definition.baths.remove(m).through);
+        friction.push(Friction { damping: constant(rate), components: vec![component] });
     }
-    let system = FormulaSystem::new(&definition, y0);
-    let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
+    if !of_baths.is_empty() {
+        system = made(&definition)?;
+    }
+    let system = Arc::new(system);
     let names = system.names().clone();
-    let (damping, friction) = damping(reading, &definition.state, &state.vectors)?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
     compare(reading, &system, (&problem, &friction))?;
@@ -82,6 +94,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             friction,
             formulas: Some(system),
             facts: OnceLock::new(),
+            flows: OnceLock::new(),
         }),
         components: definition.state,
         names,
@@ -215,8 +228,13 @@ fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> 
         Which::Noise(m) => {
             formula = table.noises.as_ref().and_then(|noises| noises.get(m - 1));
             // Or a bath made it.
-            let bath = reading.file.damping.as_ref().and_then(|table| table.temperature.as_ref());
-            place = bath.map(At::span).or(place);
+            let bath = reading.file.bath.first().map(|bath| bath.temperature.span());
+            place = bath.or(place);
+        }
+        Which::Temperature(m) => {
+            let of = |bath: &BathTable| bath.through.len() + 3 * bath.transverse.len();
+            let all = reading.file.bath.iter().flat_map(|bath| vec![bath; of(bath)]);
+            place = all.skip(m - 1).map(|bath| bath.temperature.span()).next();
         }
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {

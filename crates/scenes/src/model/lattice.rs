@@ -11,12 +11,16 @@ use casimir::{
     },
 };
 
-use super::{AtRunTime, Built, damping::damping, project::numbered};
-use crate::{Further, Observable, Quantity, Read, Reading, Settings, refuse};
+use super::{
+    AtRunTime, Built,
+    damping::{damping, of_rate},
+    project::numbered,
+};
+use crate::{BathTable, Further, Observable, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
 pub const PARAMETERS: &str =
-    "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature";
+    "sizes, periodic, exchange, anisotropy, field, noise, local, transverse";
 
 /// Bytes that a site takes where it is simulated or inspected.
 const SITE: f64 = 1.5e4;
@@ -45,30 +49,43 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         [x, y, z] => [x, y, z].repeat(sites),
         ref all => all.to_vec(),
     };
-    let transverse = reading.number("transverse", 0.0)?;
     let local = reading.switch("local", true)?;
-    let noise = match reading.get("temperature") {
-        None => reading.number("noise", 0.0)?,
-        Some(_) => {
-            let kt = reading.number("temperature", 0.0)?;
-            if reading.get("noise").is_some() {
+    let (transverse, noise) = match &*reading.file.bath {
+        [] => (reading.number("transverse", 0.0)?, reading.number("noise", 0.0)?),
+        [BathTable { temperature, through, friction, transverse }, more @ ..] => {
+            let alone = through.len() + friction.len() + more.len() == 0;
+            let only = transverse
+                .first()
+                .filter(|(s, _)| alone && transverse.len() == 1 && s.as_str() == "s");
+            let Some((_, alpha)) = only else {
                 refuse!(
-                    reading.place("temperature"),
-                    "the noise follows from the temperature: give one of them"
+                    temperature,
+                    "a lattice has one bath, by transverse damping of all its spins: \
+                     `transverse = {{ s = 0.1 }}`"
                 );
-            }
-            if kt < 0.0 || transverse <= 0.0 {
-                refuse!(
-                    reading.place("temperature"),
-                    "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and \
-                     {transverse}"
-                );
+            };
+            if let Some(place) = reading.place("transverse").or(reading.place("noise")) {
+                refuse!(place, "damping and noise follow from the bath: leave this out");
             }
             if sites > 1 && !local || reading.file.damping.is_some() {
                 refuse!(
-                    reading.place("temperature"),
-                    "a temperature takes a noise for each spin, `local`, and no [damping]: give \
-                     `noise`"
+                    temperature,
+                    "a bath takes a noise for each spin, `local`, and no [damping]: give `noise`"
+                );
+            }
+            let number = |text| -> Read<f64> {
+                let rate = of_rate(reading, text)?;
+                match [0.0, 1.0].map(|t| rate.rate(t)) {
+                    [first, last] if first == last => Ok(first),
+                    _ => refuse!(text, "a bath of a lattice is the same at all times"),
+                }
+            };
+            let (kt, transverse) = (number(temperature)?, number(alpha)?);
+            if kt < 0.0 || transverse <= 0.0 {
+                refuse!(
+                    temperature,
+                    "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and \
+                     {transverse}"
                 );
             }
             // Of random initial values those of the first 32 paths are looked at.
@@ -85,15 +102,12 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
                 }
             }
             if most - least > ROUNDING * most {
-                refuse!(
-                    reading.place("temperature"),
-                    "spins have lengths from {least} to {most}: give `noise`"
-                );
+                refuse!(temperature, "spins have lengths from {least} to {most}: give `noise`");
             }
             let most = y0.chunks_exact(3).map(|s| norm([s[0], s[1], s[2]])).fold(0.0, f64::max);
             // σ² = 2α kT/|s|. A length of one is not exactly one.
             let length = if most == 0.0 || (most - 1.0).abs() < ROUNDING { 1.0 } else { most };
-            noise_at_temperature(transverse, kt / length)
+            (transverse, noise_at_temperature(transverse, kt / length))
         }
     };
     let couplings = Couplings {
@@ -138,7 +152,13 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     quantities.push(Observable::new("energy", energy.clone()));
     Ok(Built {
         sizes,
-        model: Box::new(AtRunTime { problem, friction, formulas: None, facts: OnceLock::new() }),
+        model: Box::new(AtRunTime {
+            problem,
+            friction,
+            formulas: None,
+            facts: OnceLock::new(),
+            flows: OnceLock::new(),
+        }),
         names,
         components,
         energy: Further::Quantity(energy),

@@ -1,6 +1,7 @@
 //! A system with its damping, initial value and schemes, behind one trait for compiled systems and
 //! those that are known at run time.
 
+mod bath;
 mod damping;
 mod formulas;
 mod lattice;
@@ -14,16 +15,18 @@ use casimir::{
     inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, fastest},
     mc::{Friction, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
+    stationary::Metropolis,
     systems::run_time::{self, System},
 };
 
-use crate::{Further, MAX_COMPONENTS, Observable, Read, Reading};
+use crate::{Further, Observable, Read, Reading};
 
 pub use project::PROJECT;
 
 use formulas::damped;
 
-/// Largest number of noises that are compared with a bath one by one.
+/// Largest numbers of components and of noises that are compared with a bath one by one.
+const MAX_OF_BATH: usize = 64;
 const MAX_NOISES: usize = 100;
 
 /// A system with its damping and initial value.
@@ -72,9 +75,17 @@ pub trait Model: Send + Sync {
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
         let description = system.description();
-        let few = y0.len() <= MAX_COMPONENTS && description.noises <= MAX_NOISES;
+        let few = y0.len() <= MAX_OF_BATH && description.noises <= MAX_NOISES;
         let small = few && !description.depends_on_time;
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
+    }
+
+    /// The sampler of e^{−βH₀} whose steps have no bias.
+    ///
+    /// # Errors
+    /// The reason why there is none, in words.
+    fn metropolis(&self) -> Result<Metropolis<'_>, String> {
+        Err("the system is not of formulas".into())
     }
 
     /// Facts about the system that a run needs; empty for a system of the project.
@@ -97,6 +108,8 @@ struct AtRunTime {
     formulas: Option<Arc<FormulaSystem>>,
     /// Facts about the formulas, once they are found.
     facts: OnceLock<Facts>,
+    /// The system that follows single Hamiltonians, once it is made.
+    flows: OnceLock<FormulaSystem>,
 }
 
 impl AtRunTime {
@@ -127,7 +140,7 @@ impl Model for AtRunTime {
         let system = self.system().description();
         let kept = Conserved::of(&self.problem(), self.system(), false);
         let (scheme, mut why) = kept.scheme(self.system());
-        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
+        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.has_bath) {
             why += &format!("; split would not do: {reason}");
         }
         (scheme, why)
@@ -161,6 +174,14 @@ impl Model for AtRunTime {
             laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
             mistake: facts.mistake.clone().or_else(of_friction),
         }
+    }
+
+    fn metropolis(&self) -> Result<Metropolis<'_>, String> {
+        let formulas = self.formulas.as_ref().ok_or("a lattice has no such flows")?;
+        let beta = self.bath().and_then(|bath| bath.beta);
+        let beta = beta.ok_or("no exp(-H0/kT) is known to be stationary")?;
+        let flows = self.flows.get_or_init(|| formulas.by_flows(self.problem.y0()));
+        Metropolis::new(&self.problem(), flows, beta)
     }
 
     fn fastest(&self) -> f64 {

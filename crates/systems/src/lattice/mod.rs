@@ -114,7 +114,7 @@ impl SpinLattice {
             parameters: couplings.describe(&shape),
             linearity: Linearity::Affine,
             always_solvable: true,
-            is_transverse: damping != 0.0,
+            has_bath: damping != 0.0,
             jacobi_holds: !couplings.local,
             parts: exact,
             invariants: match sites {

@@ -110,8 +110,9 @@ pub struct Description {
     pub rule: Rule,
     /// Whether Hamiltonians depend on time. B does not.
     pub depends_on_time: bool,
-    /// Whether [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
-    pub is_transverse: bool,
+    /// Whether a heat bath shifts the increments of noises, so that
+    /// [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
+    pub has_bath: bool,
     /// Parts with known flows, or why there are none.
     pub parts: Result<Parts, String>,
     /// The functions that obey the conformal law.
@@ -147,7 +148,7 @@ impl Description {
             always_solvable: false,
             rule,
             depends_on_time: false,
-            is_transverse: false,
+            has_bath: false,
             parts: Err("it names no parts".into()),
             invariants: Vec::new(),
             jacobi_holds: false,

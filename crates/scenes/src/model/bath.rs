@@ -1,0 +1,178 @@
+//! The heat baths of a scene.
+
+use std::sync::Arc;
+
+use casimir::{
+    formula::{Bath, Definition, FormulaSystem},
+    inspect::facts::is_divergence_free,
+    mc,
+    systems::{
+        Linearity,
+        probe::around,
+        run_time::{Problem, System},
+    },
+};
+use indexmap::IndexMap;
+
+use super::damping::{Rates, constant, named_rates, of_rate};
+use crate::{At, BathTable, Read, Reading, Text, refuse};
+
+/// Fractions of T at which the conditions of a bath are checked, at points around the initial
+/// value.
+const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
+/// Differences below this part of their terms count as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Adds heat baths to a definition: noises of friction on momenta, whose damping is exact, and
+/// functions through which baths act otherwise.
+pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> Read<()> {
+    let Reading { file, settings, .. } = reading;
+    let times = TIMES.map(|part| part * settings.until);
+    for table in file.bath.iter() {
+        let BathTable { temperature, through, friction, transverse } = table;
+        let kt = of_rate(reading, temperature)?;
+        let is_least = |t: &f64| kt.rate(*t) < 0.0 || kt.rate(*t) == 0.0 && friction.is_empty();
+        if let Some(t) = times.iter().find(|t| is_least(t)) {
+            refuse!(temperature, "kT must be positive, got {} at t = {t}", kt.rate(*t));
+        }
+        if through.len() + friction.len() + transverse.len() == 0 {
+            refuse!(
+                temperature,
+                "a bath acts by `friction` on momenta, `through` functions of the state, or \
+                 `transverse` damping of spins"
+            );
+        }
+        let (given, state) = (friction.iter().collect::<Vec<_>>(), &definition.state);
+        let rates = named_rates(reading, &given, state, &definition.vectors)?;
+        let noises = of_friction(reading, definition, &rates, temperature)?;
+        definition.noises.extend(noises);
+        let texts = through.iter().map(|text| text.0.clone());
+        let through = texts.chain(of_spins(reading, definition, transverse, temperature, y0)?);
+        let bath = |through| Bath { through, temperature: temperature.0.clone() };
+        definition.baths.extend(through.map(bath).collect::<Vec<_>>());
+    }
+    Ok(())
+}
+
+/// √(2αkT/|s|)s for the components of spins s.
+fn of_spins(
+    reading: &Reading<'_>,
+    definition: &Definition,
+    transverse: &IndexMap<At<String>, At<Text>>,
+    temperature: &At<Text>,
+    y0: &[f64],
+) -> Read<Vec<String>> {
+    let mut through = Vec::new();
+    for (name, alpha) in transverse {
+        of_rate(reading, alpha)?;
+        let Definition { state, vectors, .. } = definition;
+        let spin = vectors.iter().find(|(vector, all)| vector == &**name && all.len() == 3);
+        let Some((_, components)) = spin else {
+            refuse!(name, "`{}` is no spin: a vector of three components, as s[xyz]", **name);
+        };
+        let values =
+            components.iter().filter_map(|one| state.iter().position(|known| known == one));
+        let length = values.map(|i| y0[i] * y0[i]).sum::<f64>().sqrt();
+        if length == 0.0 {
+            refuse!(name, "the spin `{}` begins with length 0", **name);
+        }
+        let (alpha, kt) = (&alpha.0, &temperature.0);
+        let phi = |one: &String| format!("sqrt(2*({alpha})*({kt})/{length:?})*{one}");
+        through.extend(components.iter().map(phi));
+    }
+    Ok(through)
+}
+
+/// The Hamiltonians of the noises of a heat bath by friction on momenta: with
+/// dpᵢ = … − γᵢpᵢdt, H₀ = pᵢ²/2mᵢ + … and its coordinate q, √(2γᵢmᵢkT)q.
+///
+/// e^{−H₀/kT} is stationary if fields B∇H have no divergence, B∇q is constant and acts on pᵢ alone,
+/// and ∂H₀/∂pᵢ = pᵢ/mᵢ with a constant mᵢ. All this is looked at, and what fails is named.
+fn of_friction(
+    reading: &Reading<'_>,
+    definition: &Definition,
+    rates: &Rates<'_>,
+    temperature: &At<Text>,
+) -> Read<Vec<String>> {
+    let Reading { file, settings, .. } = reading;
+    if rates.is_empty() {
+        return Ok(Vec::new());
+    }
+    if let Some(noises) = &file.system.noises {
+        refuse!(noises, "the noise of friction follows from the `temperature`: leave out `H`");
+    }
+    let times = TIMES.map(|part| part * settings.until);
+    // With the components as Hamiltonians of noises, these have the columns of B.
+    let noises = definition.state.clone();
+    let columns = Definition { noises, baths: Vec::new(), ..definition.clone() };
+    let (y0, state) = (&settings.initial, &definition.state);
+    // What is wrong with the definition is told without noises.
+    let Ok(system) = FormulaSystem::new(&columns, y0) else { return Ok(Vec::new()) };
+    let points = around(y0, |y| system.check_domain(y).is_ok());
+    let problem = Problem::new(Arc::new(system), constant(0.0), y0.clone(), settings.until);
+    let Ok(problem) = problem else { return Ok(Vec::new()) };
+    let description = problem.system().description();
+    if description.linearity != Linearity::Constant && !is_divergence_free(problem.system(), y0) {
+        refuse!(
+            temperature,
+            "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any noise"
+        );
+    }
+    let of = mc::Problem::at_run_time(&problem);
+    let times = if description.depends_on_time { &times[..] } else { &times[..1] };
+    let states: Vec<_> = points
+        .iter()
+        .flat_map(|y| times.iter().map(move |t| (*t, y)))
+        .map(|(t, y)| (y, (of.coefficients)(t, y)))
+        .collect();
+    let noise = |(i, rate): &(usize, &At<Text>)| {
+        let (i, name) = (*i, &state[*i]);
+        // Of a coordinate B∇q is constant, and acts on its momentum alone.
+        let is_coordinate = |q: &usize| {
+            let b = states[0].1.noises[*q][i];
+            let near = |x: f64, y: f64| (x - y).abs() <= ROUNDING * b.abs();
+            let column = |at: &mc::Coefficients| at.noises[*q].clone().into_iter().enumerate();
+            let mut columns = states.iter().map(|(_, at)| column(at));
+            b != 0.0
+                && columns.all(|mut all| all.all(|(k, x)| near(x, if k == i { b } else { 0.0 })))
+        };
+        let Some(q) = (0..state.len()).find(is_coordinate) else {
+            refuse!(
+                temperature,
+                "`{name}` is not the momentum of one coordinate, with a constant entry of B: a bath \
+                 acts on it `through` functions of the state, which keeps Casimirs"
+            );
+        };
+        // dq = −b ∂H₀/∂p dt with ∂H₀/∂p = p/m.
+        let b = states[0].1.noises[q][i];
+        let slope_of = |at: &mc::Coefficients| -at.drift[q] / b;
+        let slope = |y: &[f64], k: usize, y_k: f64| {
+            let mut y = y.to_vec();
+            y[k] = y_k;
+            slope_of(&(of.coefficients)(0.0, &y))
+        };
+        let m = 1.0 / (slope(y0, i, y0[i] + 0.5) - slope(y0, i, y0[i] - 0.5));
+        let size = points.iter().fold(0.0, |size: f64, y| size.max(y[i].abs()));
+        let is_kinetic =
+            |(y, at): &(&Vec<f64>, _)| (m * slope_of(at) - y[i]).abs() <= ROUNDING * size;
+        if !(m > 0.0 && states.iter().all(is_kinetic)) {
+            let y = &points[points.len() - 1];
+            let first = slope(y, i, y[i]);
+            let differs =
+                |k: &usize| (slope(y, *k, points[1][*k]) - first).abs() > ROUNDING * first.abs();
+            let what = match (0..state.len()).filter(|k| *k != i).find(differs) {
+                Some(k) => format!("∂H0/∂{name} depends on `{}`", state[k]),
+                None => format!("H0 has no term {name}^2/(2*m)"),
+            };
+            refuse!(
+                temperature,
+                "{what}: friction of a bath takes a constant mass m. Let it act `through` a function \
+                 such as sqrt(2*m*kT)*{}, with any m",
+                state[q]
+            );
+        }
+        let (rate, kt, factor) = (&rate.0, &temperature.0, m / (b * b));
+        Ok(format!("sqrt(2*({rate})*({kt})*{factor:?})*{}", state[q]))
+    };
+    rates.iter().map(noise).collect()
+}

@@ -1,0 +1,286 @@
+//! Steps that leave e^{−βH₀} exactly stationary.
+
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{PathMask, Row, Rows, WIDTH, elementary::exp};
+use schemes::{About, Method, Step, Stepper};
+use systems::run_time::{Move, Program, System, Weights};
+
+use mc::{Friction, Problem};
+
+/// A sampler of e^{−βH₀} on the leaves of B for a system in a heat bath: no step size has a bias.
+///
+/// A step of size τ has three parts, each of which leaves the law alone:
+///
+/// 1. Momenta with friction γ and noise take an Ornstein–Uhlenbeck step, which is exact.
+/// 2. Other noises move the state by the flow of Φₘ for the time ΔWₘ, m = 1, …, M, …, 1 with half
+///    of it but for the last. Times of both signs are equally likely and flows keep volume, so that
+///    Metropolis' rule accepts with min(1, e^{−βΔH₀}).
+/// 3. The flows of the parts of H₀ move the state in the order of
+///    [`Split`](schemes::Split) for the time sτ, accepted with min(1, e^{−βΔH₀}). The direction s
+///    is ±1 and turns at a rejection. For H₀ = T(p) + V(q) this is generalised hybrid Monte Carlo
+///    (Horowitz, *Phys. Lett. B* 268, 1991), where momenta turn; a direction of time turns on any
+///    Poisson manifold.
+///
+/// A move is accepted where βΔH₀ < (a² + b²)/2 with normals a and b, which is exponential. So a
+/// step takes four more increments than the system has noises.
+pub struct Metropolis<'a> {
+    /// The system whose noises have the Hamiltonians H₀, H₁, ….
+    flows: &'a dyn System,
+    beta: f64,
+    momenta: Vec<Momentum>,
+    /// The noises that move the state by flows.
+    walks: Vec<usize>,
+}
+
+/// A momentum with friction and noise.
+struct Momentum {
+    component: usize,
+    /// The friction γ.
+    rate: f64,
+    /// The noise that moves it, counted from 0.
+    noise: usize,
+    /// Its variance at equilibrium.
+    variance: f64,
+}
+
+/// Rows after the state: the direction, and numbers of moves that were accepted, by H₀ and by
+/// noises.
+pub const MORE: usize = 3;
+/// Increments for the acceptance of both moves.
+const DRAWN: usize = 4;
+/// Relative difference that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl<'a> Metropolis<'a> {
+    /// The sampler of a problem with constant friction whose stationary law is e^{−βH₀}. The noises
+    /// of `flows` have the Hamiltonians H₀, H₁, … of its system.
+    ///
+    /// # Errors
+    /// The reason why there is none, in words: a part without a flow, or friction on what is not a
+    /// momentum with noise of its own.
+    pub fn new(problem: &Problem<'_>, flows: &'a dyn System, beta: f64) -> Result<Self, String> {
+        let description = flows.description();
+        description.parts.as_ref().map_err(Clone::clone)?;
+        if flows.rest().is_some() {
+            return Err("a part of H0 or of a noise has no exact flow".into());
+        }
+        if problem.in_time.is_some() || problem.damping.rate(0.0) != 0.0 {
+            return Err("it changes with time, or all components are damped".into());
+        }
+        let d = problem.y0.len();
+        let rates = Friction::rates(problem.friction, 0.0, d);
+        let points = [problem.y0.clone(), problem.y0.iter().map(|y| 1.3 * y + 0.2).collect()];
+        let at = points.each_ref().map(|y| (problem.coefficients)(0.0, y));
+        let mut walks: Vec<usize> = (0..problem.noises).collect();
+        let mut momenta = Vec::new();
+        for component in (0..d).filter(|&i| rates[i] != 0.0) {
+            let moves = |m: &usize| at.iter().any(|at| at.noises[*m][component] != 0.0);
+            let alone = |m: usize| {
+                let first = &at[0].noises[m];
+                let only = (0..d).all(|i| i == component || first[i] == 0.0);
+                only && at.iter().all(|at| at.noises[m] == *first)
+            };
+            let own: Vec<usize> = walks.iter().copied().filter(moves).collect();
+            if own.is_empty() || !own.iter().all(|&m| alone(m)) {
+                return Err("friction acts on what has no noise of its own".into());
+            }
+            let square: f64 = own.iter().map(|&m| at[0].noises[m][component].powi(2)).sum();
+            let variance = square / (2.0 * rates[component]);
+            walks.retain(|m| !own.contains(m));
+            momenta.push(Momentum { component, rate: rates[component], noise: own[0], variance });
+        }
+        let new = Self { flows, beta, momenta, walks };
+        let gaussian = |one: &Momentum| points.iter().all(|y| new.is_gaussian(one, y));
+        match new.momenta.iter().all(gaussian) {
+            true => Ok(new),
+            false => Err("H0 is not quadratic in a momentum with friction".into()),
+        }
+    }
+
+    /// Number of increments of a step.
+    pub fn noises(&self) -> usize {
+        self.flows.description().noises - 1 + DRAWN
+    }
+
+    /// Whether βH₀ = p²/2v + … with the variance v of a momentum.
+    fn is_gaussian(&self, one: &Momentum, y: &[f64]) -> bool {
+        let mut rows = Rows::splat(y);
+        for p in 0..WIDTH {
+            rows[one.component][p] = (p as f64 - 15.5) * 0.2 * one.variance.sqrt();
+        }
+        let mut energy = Energy::of(self.flows);
+        let values = energy.values(&rows);
+        (0..WIDTH).all(|p| {
+            let [x, last] = [p, WIDTH - 1].map(|p| rows[one.component][p]);
+            let own = (x * x - last * last) / (2.0 * one.variance);
+            let all = self.beta * (values[p] - values[WIDTH - 1]);
+            let size = own.abs() + self.beta * (values[p].abs() + values[WIDTH - 1].abs());
+            (own - all).abs() <= ROUNDING * size
+        })
+    }
+
+    /// The palindrome of flows of Hamiltonian number `only`, for a share of its time.
+    fn flows_of(&self, only: usize, share: f64) -> impl Iterator<Item = Move> {
+        let last = self.flows.description().parts.as_ref().map_or(0, |parts| parts.number - 1);
+        (0..=last).chain((0..last).rev()).map(move |part| {
+            let noise = if part < last { 0.5 * share } else { share };
+            Move::Flow { part, drift: 0.0, noise, only: Some(only) }
+        })
+    }
+
+    fn program(&self, moves: impl Iterator<Item = Move>) -> Box<dyn Program> {
+        let moves: Vec<Move> = moves.collect();
+        self.flows.compose(&moves).expect("a system of formulas composes its flows")
+    }
+}
+
+impl Method for Metropolis<'_> {
+    fn about(&self) -> About {
+        About::new("metropolis")
+    }
+
+    /// Starts from a state, or one with the rows after it.
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        let description = self.flows.description();
+        let d = description.dimension;
+        let mut rows = y.to_vec();
+        if rows.len() == d {
+            rows.extend([[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]]);
+        }
+        let of_noise = (!self.walks.is_empty()).then(|| {
+            let last = self.walks.len() - 1;
+            let palindrome = (0..=last).chain((0..last).rev());
+            let share = |k: usize| if k < last { 0.5 } else { 1.0 };
+            self.program(palindrome.flat_map(|k| self.flows_of(self.walks[k] + 1, share(k))))
+        });
+        Box::new(Walk {
+            of: self,
+            d,
+            rows,
+            of_energy: self.program(self.flows_of(0, 1.0)),
+            of_noise,
+            next: Rows::zero(d),
+            times: Rows::zero(description.noises),
+            energy: Energy::of(self.flows),
+            tau: f64::NAN,
+            factors: vec![(0.0, 0.0); self.momenta.len()],
+        })
+    }
+}
+
+/// H₀ of the system of flows.
+struct Energy<'a> {
+    flows: &'a dyn System,
+    weights: Rows,
+    scratch: Rows,
+}
+
+impl<'a> Energy<'a> {
+    fn of(flows: &'a dyn System) -> Self {
+        let description = flows.description();
+        let mut weights = Rows::zero(description.noises);
+        weights[0] = [1.0; WIDTH];
+        Self { flows, weights, scratch: Rows::zero(description.scratch_rows()) }
+    }
+
+    fn values(&mut self, y: &[Row]) -> Row {
+        let mut values = [0.0; WIDTH];
+        let h = Weights { dw: &self.weights, ..Weights::NONE };
+        self.flows.energy(y, h, &mut values, &mut self.scratch);
+        values
+    }
+}
+
+/// 32 chains.
+struct Walk<'a> {
+    of: &'a Metropolis<'a>,
+    d: usize,
+    /// The state, the direction and the numbers of accepted moves.
+    rows: Vec<Row>,
+    of_energy: Box<dyn Program>,
+    of_noise: Option<Box<dyn Program>>,
+    next: Rows,
+    /// Times of the flows.
+    times: Rows,
+    energy: Energy<'a>,
+    /// The step size, and factors of momenta and of their increments for it.
+    tau: f64,
+    factors: Vec<(f64, f64)>,
+}
+
+/// The chains that go from the energies `before` to those `after`: where β times the change is less
+/// than (a² + b²)/2τ with increments a and b. Energies that are not finite are not accepted.
+#[inline(always)]
+fn accepted(before: &Row, after: &Row, beta: f64, [a, b]: [&Row; 2], tau: f64) -> [bool; WIDTH] {
+    let scale = 0.5 / tau;
+    std::array::from_fn(|p| beta * (after[p] - before[p]) <= scale * (a[p] * a[p] + b[p] * b[p]))
+}
+
+/// Takes the next state where it is accepted.
+#[inline(always)]
+fn take(rows: &mut [Row], next: &[Row], accepts: &[bool; WIDTH]) {
+    for (y, next) in rows.iter_mut().zip(next) {
+        for p in 0..WIDTH {
+            y[p] = if accepts[p] { next[p] } else { y[p] };
+        }
+    }
+}
+
+impl Walk<'_> {
+    /// The factors of momenta for a step size.
+    fn set(&mut self, tau: f64) {
+        self.tau = tau;
+        for (factors, one) in self.factors.iter_mut().zip(&self.of.momenta) {
+            let decay = exp(-one.rate * tau);
+            *factors = (decay, (one.variance * (1.0 - decay * decay) / tau).sqrt());
+        }
+    }
+}
+
+impl Stepper for Walk<'_> {
+    fn state(&self) -> &[Row] {
+        &self.rows
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        *status = BlockStatus::explicit();
+        if step.tau != self.tau {
+            self.set(step.tau);
+        }
+        let Self { of, d, rows, of_energy, of_noise, next, times, energy, tau, factors } = self;
+        let (dw, drawn) = noise.increments.split_at(noise.increments.len() - DRAWN);
+        for (one, (decay, scale)) in of.momenta.iter().zip(factors) {
+            let (p, dw) = (&mut rows[one.component], &dw[one.noise]);
+            p.iter_mut().zip(dw).for_each(|(p, dw)| *p = *decay * *p + *scale * dw);
+        }
+        let mut before = energy.values(&rows[..*d]);
+        if let Some(of_noise) = of_noise {
+            times[0] = [0.0; WIDTH];
+            of.walks.iter().for_each(|&m| times[m + 1] = dw[m]);
+            of_noise.run(&[&rows[..*d]], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
+            let after = energy.values(next);
+            let accepts = accepted(&before, &after, of.beta, [&drawn[2], &drawn[3]], *tau);
+            take(rows, next, &accepts);
+            for p in 0..WIDTH {
+                before[p] = if accepts[p] { after[p] } else { before[p] };
+                rows[*d + 2][p] += f64::from(u8::from(accepts[p]));
+            }
+        }
+        times.fill([0.0; WIDTH]);
+        times[0] = rows[*d].map(|direction| direction * *tau);
+        of_energy.run(&[&rows[..*d]], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
+        let after = energy.values(next);
+        let accepts = accepted(&before, &after, of.beta, [&drawn[0], &drawn[1]], *tau);
+        take(rows, next, &accepts);
+        for p in 0..WIDTH {
+            rows[*d][p] = if accepts[p] { rows[*d][p] } else { -rows[*d][p] };
+            rows[*d + 1][p] += f64::from(u8::from(accepts[p]));
+        }
+        status.failed = PathMask::NONE;
+    }
+}
