@@ -202,8 +202,26 @@ impl Scene {
         let others = file.system.parameters.keys().map(|key| key.as_str());
         let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
         scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
-        if let Some(table) = &file.expect {
-            scene.expect(table, &mut vocabulary)?;
+        let named = |text: &String| At::new(0..0, Text(text.clone()));
+        let named: Vec<At<Text>> = changes.of.iter().map(named).collect();
+        match &file.expect {
+            _ if !named.is_empty() => {
+                scene.accuracy = file.expect.as_ref().map(|table| *table.accuracy);
+                let of = scene.expect(&named, &mut vocabulary);
+                of.map_err(|error| Wrong::in_option("--of", error))?;
+            }
+            Some(ExpectTable { of, accuracy }) => {
+                let half_width = **accuracy;
+                if !(half_width > 0.0 && half_width.is_finite()) {
+                    refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
+                }
+                if of.is_empty() {
+                    refuse!(of, "name at least one function, such as \"y1\"");
+                }
+                scene.accuracy = Some(half_width);
+                scene.expect(of, &mut vocabulary)?;
+            }
+            None => {}
         }
         scene.accuracy = changes.accuracy.or(scene.accuracy);
         scene.collected = vocabulary.collected;
@@ -215,17 +233,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the test functions of `[expect]`, and their accuracy.
-    fn expect(&mut self, table: &ExpectTable, vocabulary: &mut Vocabulary) -> Read<()> {
-        let ExpectTable { of, accuracy } = table;
-        let half_width = **accuracy;
-        if !(half_width > 0.0 && half_width.is_finite()) {
-            refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
-        }
-        if of.is_empty() {
-            refuse!(of, "name at least one function, such as \"y1\"");
-        }
-        self.accuracy = Some(half_width);
+    /// Reads test functions.
+    fn expect(&mut self, of: &[At<Text>], vocabulary: &mut Vocabulary) -> Read<()> {
         for text in of.iter() {
             let name = text.0.as_str();
             if self.expected.iter().any(|before| before.name == name) {

@@ -32,6 +32,10 @@ pub struct Changes {
     #[cfg_attr(feature = "clap", arg(skip))]
     #[serde(skip)]
     pub accuracy: Option<f64>,
+    /// Test functions, instead of those of the scene.
+    #[cfg_attr(feature = "clap", arg(skip))]
+    #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
+    pub of: Vec<String>,
     /// Draw other random numbers for each combination of a sweep, not the same for all
     #[cfg_attr(feature = "clap", arg(long))]
     #[serde(default)]

@@ -1,6 +1,6 @@
 //! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
-use BuiltIn::{EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
+use BuiltIn::{Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
 use systems::{Flows, PoissonSystem, run_time::System};
 
 use crate::{Scheme, SchemeError, run_time};
@@ -20,6 +20,8 @@ pub enum BuiltIn {
     Split,
     /// [`Nv`](crate::Nv).
     Nv,
+    /// [`Baoab`](crate::Baoab), without friction on single components.
+    Baoab,
     /// [`Midpoint`](crate::Midpoint).
     Midpoint,
     /// [`Heun`](crate::Heun).
@@ -84,8 +86,8 @@ pub enum Energy {
 
 impl BuiltIn {
     /// All built-in schemes.
-    pub const ALL: [Self; 9] =
-        [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Midpoint, Heun, EulerMaruyama];
+    pub const ALL: [Self; 10] =
+        [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Baoab, Midpoint, Heun, EulerMaruyama];
 
     /// The scheme of this name.
     #[must_use]
@@ -141,6 +143,7 @@ impl BuiltIn {
             SexpLiLevy => Properties { id: "sexp-li-levy", strong: with_areas, ..linear },
             Split => flows,
             Nv => Properties { id: "nv", weak: 2.0, ..flows },
+            Baoab => Properties { id: "baoab", weak: 2.0, ..flows },
             Midpoint => Properties {
                 id: "midpoint",
                 exact_damping: false,
@@ -203,7 +206,7 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            Split | Nv => {
+            Split | Nv | Baoab => {
                 return Err(SchemeError::parts(
                     self.id(),
                     system.name(),
@@ -250,7 +253,12 @@ impl BuiltIn {
             (Nv, Ok(parts)) if parts.of_noise.len() == description.noises => {
                 Box::new(crate::Nv::default())
             }
-            (Split | Nv, parts) => {
+            (Baoab, Ok(_)) => {
+                let baoab = Box::new(crate::Baoab::default());
+                run_time::Scheme::stepper(&*baoab, system)?;
+                baoab
+            }
+            (Split | Nv | Baoab, parts) => {
                 let reason = parts
                     .as_ref()
                     .err()

@@ -36,12 +36,14 @@
 //! | [`SexpLi`] | linearly implicit, exponential | 1 / ½ |
 //! | [`Split`] | explicit, exponential | 1 / ½ |
 //! | [`Nv`] | explicit, exponential, weak order 2 | 1 / ½ |
+//! | [`Baoab`] | explicit, exponential, weak order 2 | 1 / 1, of noises that commute |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
 //!
 //! A [`Method`] is a scheme on a system, of any dimension and with any number of noises.
 
+mod baoab;
 mod built_in;
 mod chosen;
 mod composition;
@@ -63,6 +65,7 @@ mod split;
 mod step;
 mod with_solver;
 
+pub use baoab::Baoab;
 pub use built_in::{BuiltIn, Energy, Explicitness, Properties, StrongOrder};
 pub use composition::{Composed, Composition, Paths, Times};
 pub use em::EulerMaruyama;

@@ -41,7 +41,8 @@ struct Block {
 }
 
 /// Rows with a number for each chain: the means over a batch of each average at each step size, and
-/// of its square at the finest, and the values of watched functions at its end.
+/// of its square at the finest; where steps have no bias of H₀, of its square, and of its products
+/// with averages; and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// The batches of the chains that have not failed.
@@ -118,6 +119,12 @@ impl Chains {
         Self { tau, batch_steps, averages, levels, ..Self::default() }
     }
 
+    /// Number of rows of averages, squares and products.
+    pub fn rows(&self) -> usize {
+        let products = if self.levels == 1 { self.averages + 2 } else { 0 };
+        (self.levels + 1) * self.averages + products
+    }
+
     /// Path-steps of all levels in a step of the coarsest.
     pub fn each(&self) -> u64 {
         (1 << self.levels) - 1
@@ -151,7 +158,7 @@ impl Chains {
                 accepted => (LEAST_ACCEPTED / (1.0 - accepted).max(1e-9)).powi(2),
             };
             let factor = if stands { 0.5 } else { by_energy.min(by_noise).clamp(0.5, 2.0) };
-            self.tau *= factor;
+            self.tau = (self.tau * factor).min(2.0 * time);
             self.batch_steps = (time / self.tau).ceil().clamp(MIN_STEPS, MAX_STEPS) as u64;
         }
     }
@@ -217,7 +224,7 @@ impl Chains {
         self.spent += self.batch_steps * self.each() * chains as u64;
         self.number += 1;
         let exactly = || Vec::with_capacity(chains);
-        let mut values: Batch = (0..(self.levels + 1) * self.averages).map(|_| exactly()).collect();
+        let mut values: Batch = (0..self.rows()).map(|_| exactly()).collect();
         let scale = 1.0 / self.batch_steps as f64;
         for sums in &batch {
             let rows = values.iter_mut().zip(&sums.sums);
@@ -336,7 +343,7 @@ impl Statistic for Gather<'_> {
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
                 block: Block { first, live: view.live.0, states: Vec::new() },
-                sums: vec![[0.0; WIDTH]; (levels + 1) * count],
+                sums: vec![[0.0; WIDTH]; chains.rows()],
                 counts: chains.histograms.iter().map(|of| vec![0; of.grid.cells()]).collect(),
             });
             blocks.len() - 1
@@ -349,6 +356,11 @@ impl Statistic for Gather<'_> {
         }
         match of {
             Averaged::Of(observables) => {
+                let products = (levels + 1) * count;
+                let energy = view.state(0).last().filter(|_| levels == 1);
+                if let Some(energy) = energy {
+                    add_rows(&mut sums[products..], &[*energy, energy.map(|h| h * h)]);
+                }
                 for (k, phi) in observables.iter().enumerate() {
                     let mut add =
                         |row: usize, values: Row| add_rows(&mut sums[row * count + k..], &[values]);
@@ -358,6 +370,10 @@ impl Statistic for Gather<'_> {
                         add(run, values);
                     }
                     add(levels, values.map(|x| x * x));
+                    if let Some(energy) = energy {
+                        let product = std::array::from_fn(|p| values[p] * energy[p]);
+                        add_rows(&mut sums[products + 2 + k..], &[product]);
+                    }
                     let known = chains.histograms.get(k).zip(chains.block(first));
                     if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];

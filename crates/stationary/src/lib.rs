@@ -156,8 +156,8 @@ pub struct Equilibrium<'a> {
     pub watched: Vec<&'a dyn Observe>,
     /// Names of the components; y1, y2, … unless set.
     pub components: Vec<String>,
-    /// Whether steps have no bias, see [`exact`](Self::exact).
-    pub exact: bool,
+    /// β where steps have no bias, see [`exact`](Self::exact).
+    pub beta: Option<f64>,
 }
 
 /// Number of step sizes of a chain whose step has a bias.
@@ -175,7 +175,7 @@ impl<'a> Equilibrium<'a> {
             checkpoint: None,
             watched: Vec::new(),
             components: Vec::new(),
-            exact: false,
+            beta: None,
         }
     }
 
@@ -185,9 +185,9 @@ impl<'a> Equilibrium<'a> {
         sampler: Metropolis<'a>,
         settings: EquilibriumSettings,
     ) -> Self {
-        let problem = Problem { noises: sampler.noises(), ..problem };
+        let (problem, beta) = (Problem { noises: sampler.noises(), ..problem }, sampler.beta());
         let setup = Setup { problem, scheme: Arc::new(sampler) };
-        Self { exact: true, ..Self::new(setup, settings) }
+        Self { beta: Some(beta), ..Self::new(setup, settings) }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
@@ -238,9 +238,8 @@ impl<'a> Equilibrium<'a> {
         let (mut found, mut reached) = (None, false);
         loop {
             if chains.is_due() {
-                let tau = chains.tau;
-                let id = setup.scheme.about().id;
-                let now = Averages::new(&chains, settings, (of, id, tau), accuracy, watched);
+                let of_chains = (of, setup.scheme.about().id, self.beta);
+                let now = Averages::new(&chains, settings, of_chains, accuracy, watched);
                 let half_width = now.half_width();
                 told(half_width, (accuracy / half_width).powi(2).min(1.0));
                 let halves = now.wants_shorter_steps() && chains.halvings < MAX_HALVINGS;
@@ -283,10 +282,14 @@ impl<'a> Equilibrium<'a> {
         found.ok_or(RunError::Stopped)
     }
 
+    /// Number of step sizes of a chain.
+    fn levels(&self) -> usize {
+        if self.beta.is_some() { 1 } else { LEVELS }
+    }
+
     /// Chains that have not begun.
     fn begin(&self, of: Averaged<'_>) -> Chains {
-        let levels = if self.exact { 1 } else { LEVELS };
-        Chains::new(&self.settings, of, levels, self.setup.problem.t_end)
+        Chains::new(&self.settings, of, self.levels(), self.setup.problem.t_end)
     }
 
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
@@ -322,7 +325,7 @@ impl<'a> Equilibrium<'a> {
         }
         let Watched { chains, dimension, .. } = watched;
         let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
-        let levels = if self.exact { 1 } else { LEVELS };
+        let levels = self.levels();
         let rows = (levels + 1) * of.count() + watched.names().len();
         // With batches that are joined, a batch that is gathered, and its histograms.
         let batches =
@@ -347,7 +350,7 @@ impl<'a> Equilibrium<'a> {
         let number = self.settings.blocks_of_chains();
         let mut ladder = batch.ladder(finest, chains.levels - 1, truncation, family, number)?;
         // Chains that choose their step come to rest again.
-        let heated = if self.exact { SPREADING / 2 } else { SPREADING };
+        let heated = if self.beta.is_some() { SPREADING / 2 } else { SPREADING };
         if chains.number < heated {
             ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
         }
@@ -365,7 +368,7 @@ impl<'a> Equilibrium<'a> {
             return Ok(false);
         }
         chains.take(blocks, failures, &first, watched);
-        if self.exact {
+        if self.beta.is_some() {
             chains.adapt(watched.dimension, setup.problem.t_end / BATCHES as f64);
         }
         Ok(true)

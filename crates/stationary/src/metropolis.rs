@@ -44,15 +44,20 @@ struct Momentum {
     variance: f64,
 }
 
-/// Rows after the state: the direction, and numbers of moves that were accepted, by H₀ and by
-/// noises.
-pub const MORE: usize = 3;
+/// Rows after the state: the direction, numbers of moves that were accepted, by H₀ and by noises,
+/// and last H₀.
+pub const MORE: usize = 4;
 /// Increments for the acceptance of both moves.
 const DRAWN: usize = 4;
 /// Relative difference that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl<'a> Metropolis<'a> {
+    /// The inverse temperature β.
+    pub fn beta(&self) -> f64 {
+        self.beta
+    }
+
     /// The sampler of a problem with constant friction whose stationary law is e^{−βH₀}. The noises
     /// of `flows` have the Hamiltonians H₀, H₁, … of its system.
     ///
@@ -146,7 +151,8 @@ impl Method for Metropolis<'_> {
         let d = description.dimension;
         let mut rows = y.to_vec();
         if rows.len() == d {
-            rows.extend([[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]]);
+            rows.extend([[0.0; WIDTH]; MORE]);
+            rows[d] = [1.0; WIDTH];
         }
         let of_noise = (!self.walks.is_empty()).then(|| {
             let last = self.walks.len() - 1;
@@ -280,6 +286,7 @@ impl Stepper for Walk<'_> {
         for p in 0..WIDTH {
             rows[*d][p] = if accepts[p] { rows[*d][p] } else { -rows[*d][p] };
             rows[*d + 1][p] += f64::from(u8::from(accepts[p]));
+            rows[*d + 3][p] = if accepts[p] { after[p] } else { before[p] };
         }
         status.failed = PathMask::NONE;
     }

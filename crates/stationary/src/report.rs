@@ -33,6 +33,8 @@ pub struct Averages {
     pub taus: Vec<f64>,
     /// Parts of the moves that were accepted where steps have no bias, by H₀ and by noises.
     pub accepted: Option<[f64; 2]>,
+    /// Heat capacity β²Var(H₀) with half of its 95 % interval where steps have no bias.
+    pub heat_capacity: Option<[f64; 2]>,
     /// Number of chains.
     pub chains: usize,
     /// Length of each chain in time.
@@ -67,8 +69,11 @@ pub struct StationaryMean {
     pub unsettled: f64,
     /// Deviation of the function; zero for exponents.
     pub deviation: f64,
-    /// Autocorrelation time, in units of time; `None` for exponents.
+    /// Autocorrelation time, in units of time; `None` for exponents, and where steps have no bias:
+    /// those follow no path of the system.
     pub autocorrelation_time: Option<f64>,
+    /// d⟨φ⟩/dβ = −Cov(φ, H₀) with half of its 95 % interval where steps have no bias.
+    pub by_beta: Option<[f64; 2]>,
     /// Number of independent samples that would be as good; `None` for exponents.
     pub effective_samples: Option<f64>,
     /// Mean at each step size, its difference from that at the finest, and the standard error of
@@ -149,11 +154,11 @@ impl Averages {
     pub(super) fn new(
         chains: &Chains,
         settings: &EquilibriumSettings,
-        (of, scheme, tau): (Averaged<'_>, &str, f64),
+        (of, scheme, beta): (Averaged<'_>, &str, Option<f64>),
         accuracy: f64,
         watched: Watched<'_>,
     ) -> Self {
-        let (living, count) = (chains.living(), of.count());
+        let (living, count, tau) = (chains.living(), of.count(), chains.tau);
         let (batches, live) = (living.batches.len(), living.chains.len());
         let is_average = matches!(of, Averaged::Of(_));
         let (unit, least) =
@@ -177,11 +182,26 @@ impl Averages {
                 time: time * late / batches as f64,
             }
         };
-        let wells = watched.wells(&living, (count, is_average, levels), first);
+        // The covariance with H₀ of a function whose mean is in row k, and that of its product.
+        let products = (levels + 1) * count;
+        let covariance = |k: usize, product: usize| {
+            let rows = [k, products, product].map(|row| living.means(row, first..batches));
+            let rows = rows.map(Iterator::collect::<Vec<_>>);
+            let [f, h] = [0, 1].map(|k| moments(rows[k].iter().copied()).mean());
+            let one = |n: usize| rows[2][n] - h * rows[0][n] - f * (rows[1][n] - h);
+            let all = moments((0..live).map(one));
+            let quantile = two_sided(CONFIDENCE, Some(live as f64 - 1.0));
+            [all.mean(), quantile * all.variance_of_mean().sqrt()]
+        };
+        let wells = watched.wells(&living, (count, is_average, levels, chains.rows()), first);
         let names = of.names().into_iter().enumerate().zip(wells);
         let means = names.map(|((k, name), well)| {
             let mut mean = mean(&kept(k), settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();
+            mean.by_beta = beta.map(|_| {
+                let [value, half_width] = covariance(k, products + 2 + k);
+                [-value, half_width]
+            });
             if !is_average {
                 let wander = unit * wander(&living, finest(k), first);
                 mean.sampling = hypot(mean.sampling, wander);
@@ -224,7 +244,10 @@ impl Averages {
             means,
             accuracy,
             taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
-            accepted: (levels == 1).then_some(chains.accepted),
+            accepted: beta.map(|_| chains.accepted),
+            heat_capacity: beta.map(|beta| {
+                covariance(products, products + 1).map(|x| beta * beta * x)
+            }),
             chains: live,
             time,
             burn_in: time * first as f64 / batches as f64,
@@ -319,7 +342,8 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     let is_shorter = extrapolated.1 + extrapolated.2 < plain.1 + plain.2;
     let (mean, sampling, mut bias, mut seen) = if is_shorter { extrapolated } else { plain };
     let finest = kept.moments([0.0, 0.0, 1.0]);
-    if kept.means.len() == 1 {
+    let is_exact = kept.means.len() == 1;
+    if is_exact {
         (bias, seen) = (0.0, (0.0, 0.0));
     }
     let variance = kept.square - finest.mean() * finest.mean();
@@ -361,8 +385,9 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         bias,
         unsettled: 0.0,
         deviation,
-        autocorrelation_time: is_average.then_some(0.5 * kept.time * ratio),
+        autocorrelation_time: (is_average && !is_exact).then_some(0.5 * kept.time * ratio),
         effective_samples: is_average.then_some(count / ratio),
+        by_beta: None,
         levels: (LEVELS - kept.means.len()..LEVELS).map(level).collect(),
         unknown,
         histogram: None,
@@ -387,11 +412,14 @@ impl fmt::Display for Averages {
                 }
                 write!(f, ")")?;
             }
-            if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
-                && mean.deviation > 0.0
-            {
-                let time = short(*time);
-                write!(f, ", autocorrelation time {time}, {samples:.1e} effective samples")?;
+            if let Some([slope, half_width]) = mean.by_beta {
+                write!(f, ", d/dβ {} ± {half_width:.1e}", written(slope, half_width))?;
+            }
+            if let Some(time) = autocorrelation_time.filter(|_| mean.deviation > 0.0) {
+                write!(f, ", autocorrelation time {}", short(time))?;
+            }
+            if let Some(samples) = mean.effective_samples.filter(|_| mean.deviation > 0.0) {
+                write!(f, ", {samples:.1e} effective samples")?;
             }
             writeln!(f)?;
             if *unsettled > 0.0 {
@@ -413,6 +441,10 @@ impl fmt::Display for Averages {
              {:.2e} path-steps",
             self.spent as f64
         )?;
+        if let Some([value, half_width]) = self.heat_capacity {
+            let value = written(value, half_width);
+            writeln!(f, "heat capacity Var(H0)/kT² = {value} ± {half_width:.1e}")?;
+        }
         if let Some([by_energy, by_noise]) = accepted {
             let percent = |part: &f64| format!("{:.1} %", 100.0 * part);
             write!(f, "exact: Metropolis; accepted {}", percent(by_energy))?;

@@ -92,11 +92,12 @@ impl Watched<'_> {
     }
 
     /// The well that each of the first `count` averages at the finest step size depends on, from
-    /// batch number `first` on; `own` if those show wells themselves.
+    /// batch number `first` on; `own` if those show wells themselves. `watched` is the first row of
+    /// watched functions.
     pub fn wells(
         &self,
         living: &Living<'_>,
-        (count, own, levels): (usize, bool, usize),
+        (count, own, levels, watched): (usize, bool, usize, usize),
         first: usize,
     ) -> Vec<Option<Well>> {
         let all = living.batches.len();
@@ -104,7 +105,7 @@ impl Watched<'_> {
         let means = |row: usize, batches: Range<usize>| -> Vec<f64> {
             living.means(row, batches).collect()
         };
-        let (finest, watched) = ((levels - 1) * count, (levels + 1) * count);
+        let finest = (levels - 1) * count;
         let names = self.names();
         let ends = |row: usize| [first - 1, all - 1].map(|end| means(row, end..end + 1));
         if (watched..watched + names.len()).any(|row| is_conserved(&ends(row))) {

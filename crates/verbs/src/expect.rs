@@ -23,6 +23,10 @@ pub struct Expect {
     #[cfg_attr(feature = "clap", arg(long, value_name = "ERROR", allow_negative_numbers = true))]
     #[serde(skip)]
     pub accuracy: Option<f64>,
+    /// Test functions, instead of those of the scene; several by several `--of`
+    #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
+    #[serde(skip)]
+    pub of: Vec<String>,
     /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
     /// for a scheme that is named, and with events or integrals
     #[cfg_attr(feature = "clap", arg(long, value_name = "STEPS"))]
@@ -39,8 +43,8 @@ impl Verb for Expect {
     const WRITES: bool = false;
 
     fn changes(&self) -> Changes {
-        let scheme = self.scheme.clone();
-        Changes { accuracy: self.accuracy, scheme, ..Changes::default() }
+        let (of, scheme) = (self.of.clone(), self.scheme.clone());
+        Changes { accuracy: self.accuracy, of, scheme, ..Changes::default() }
     }
 
     fn meaning(&self) -> String {

@@ -31,6 +31,10 @@ pub struct Equilibrium {
     #[cfg_attr(feature = "clap", arg(long, value_name = "ERROR", allow_negative_numbers = true))]
     #[serde(skip)]
     pub accuracy: Option<f64>,
+    /// Test functions, instead of those of the scene; several by several `--of`
+    #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
+    #[serde(skip)]
+    pub of: Vec<String>,
     /// Limits of the chains.
     #[cfg_attr(feature = "clap", command(flatten))]
     #[serde(flatten)]
@@ -114,7 +118,7 @@ impl Verb for Equilibrium {
     const STORES: Stores = Stores::Samples("chains.bin");
 
     fn changes(&self) -> Changes {
-        self.chains.changes(self.accuracy)
+        Changes { of: self.of.clone(), ..self.chains.changes(self.accuracy) }
     }
 
     fn meaning(&self) -> String {
@@ -180,8 +184,12 @@ fn average(
     };
     equilibrium.components.clone_from(&scene.components);
     (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
-    let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
-    let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
+    // Unless some are named, all there are.
+    let of: Vec<_> = match &*scene.expected {
+        [] => scene.observables.iter().chain(&scene.energy).collect(),
+        named => named.iter().collect(),
+    };
+    let of_state = of.into_iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
     let found = watch
         .until("chains come to their law", accuracy, |told| {

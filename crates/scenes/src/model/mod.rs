@@ -14,7 +14,7 @@ use casimir::{
     formula::{FormulaSystem, Names},
     inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, fastest},
     mc::{Friction, Problem, Setup},
-    schemes::{BuiltIn, Method, SchemeError},
+    schemes::{Baoab, BuiltIn, Method, SchemeError},
     stationary::Metropolis,
     systems::run_time::{self, System},
 };
@@ -131,6 +131,11 @@ impl Model for AtRunTime {
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        if scheme == BuiltIn::Baoab && !self.friction.is_empty() {
+            let friction = self.friction.iter().cloned();
+            let own = friction.map(|Friction { damping, components }| (damping, components));
+            return Ok(Setup::at_run_time(&self.problem, Box::new(Baoab::new(own)))?.scheme);
+        }
         let scheme = scheme.at_run_time(self.problem.system())?;
         Ok(Friction::around(Setup::at_run_time(&self.problem, scheme)?.scheme, &self.friction))
     }

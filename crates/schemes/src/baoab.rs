@@ -1,0 +1,35 @@
+//! Friction and noise as one exact step between halves of the flows of H₀.
+
+use std::sync::Arc;
+
+use systems::Damping;
+
+/// Splitting for Langevin dynamics, `baoab` (Leimkuhler and Matthews, *Appl. Math. Res. Express*
+/// 2013), for systems known at run time.
+///
+/// For a system with the parts 0 … P,
+///
+/// y_{n+1} = φ_P(½) ⋯ φ₀(½) O φ₀(½) ⋯ φ_P(½) y_n,
+///
+/// where φ_k(c) is the flow of part k of H₀ for cτ, and O the exact Ornstein–Uhlenbeck step: the
+/// damping and friction of τ with the flows of the noises in its middle, for ΔW√((1 − e^{−2Γ})/2Γ)
+/// e^{Γ₂} with the integrals Γ and Γ₂ of friction over the step and its second half. So a momentum
+/// with friction and constant noise has the law of the exact solution. With H₀ = p²/2m + V(q) the
+/// part P is V, and the step a kick, a drift, O, a drift, a kick.
+///
+/// - Orders: weak 2; strong 1; order 2 without noise. Noises must commute.
+/// - ⟨q²⟩ of a harmonic oscillator is exact at every stable τ.
+/// - Preserves the conformal law of every homogeneous Casimir that its flows preserve.
+/// - Cost per step: 2P + 3 flows. Explicit.
+#[derive(Clone, Default)]
+pub struct Baoab {
+    /// Rates of friction, and the components that each damps.
+    pub(crate) friction: Vec<(Arc<dyn Damping>, Vec<usize>)>,
+}
+
+impl Baoab {
+    /// The scheme for friction on components besides the damping of all of them.
+    pub fn new(friction: impl IntoIterator<Item = (Arc<dyn Damping>, Vec<usize>)>) -> Self {
+        Self { friction: friction.into_iter().collect() }
+    }
+}
