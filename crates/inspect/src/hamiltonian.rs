@@ -55,13 +55,14 @@ impl Hamiltonians {
         let linear = sight.found((0..a.len()).map(|n| vec![sum([both[n], -a[n], -b[n]])]));
         found.methods.push(("energy(y, dt, dw) is not linear in (dt, dw)", linear));
         let mut sound = true;
-        // Of a transverse field it is more than ∇h.
-        if !sight.probe.description().has_bath {
+        // With a bath it is more than ∇h, and so are averages.
+        let has_bath = sight.probe.description().has_bath;
+        if !has_bath {
             let gradient = sight.gradient(&weights);
             sound = !gradient.fails();
             found.methods.push(("gradient is not the gradient of energy", gradient));
         }
-        if sight.probe.is_one_tile() {
+        if sight.probe.is_one_tile() && !has_bath {
             let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
             let all: Vec<_> = singly.chain([weights]).collect();
             found.check_averages(sight, &all, sound);

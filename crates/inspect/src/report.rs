@@ -46,7 +46,9 @@ impl Inspection {
             h.quadrature_error
         );
         // The combining macron takes a character, but no width.
-        lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
+        if h.discrete_gradient.points > 0 {
+            lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
+        }
         if *noises > 0 {
             lines
                 .push(row("noises", h.proportional.words("multiples of H0", "no multiples of H0")));

@@ -1,6 +1,8 @@
 //! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
-use BuiltIn::{Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
+use BuiltIn::{
+    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split,
+};
 use systems::{Flows, PoissonSystem, run_time::System};
 
 use crate::{Scheme, SchemeError, run_time};

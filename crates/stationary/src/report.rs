@@ -245,9 +245,8 @@ impl Averages {
             accuracy,
             taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
             accepted: beta.map(|_| chains.accepted),
-            heat_capacity: beta.map(|beta| {
-                covariance(products, products + 1).map(|x| beta * beta * x)
-            }),
+            heat_capacity: beta
+                .map(|beta| covariance(products, products + 1).map(|x| beta * beta * x)),
             chains: live,
             time,
             burn_in: time * first as f64 / batches as f64,

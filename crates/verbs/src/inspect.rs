@@ -1,7 +1,10 @@
 //! Inspection of a system.
 
 use casimir::{
-    inspect::{InspectSettings, facts::Bath},
+    inspect::{
+        InspectSettings,
+        facts::{Bath, Growth, Span, growth, span},
+    },
     stats::Warning,
 };
 
@@ -53,7 +56,10 @@ fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
         (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
-    let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
+    let law = bath.as_ref().map_or(String::new(), words);
+    let beta = bath.as_ref().and_then(|bath| bath.beta);
+    let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));
+    let text = format!("{findings}\n{law}{}", further.unwrap_or_default());
     let text = with_names(&text, &scene.components);
     let parts = system.description().parts.as_ref();
     let flows = parts.map_or(&[][..], |parts| &parts.words);
@@ -78,8 +84,36 @@ fn words(Bath { beta, any, mismatch }: &Bath) -> String {
         _ if *any => "Without damping and heat: every function of H0 is stationary".into(),
         Some(beta) => {
             let kt = digits(1.0 / beta);
-            format!("Heat bath: exp(-H0/kT) is stationary with kT = {kt}, if it has an integral")
+            format!("Heat bath: exp(-H0/kT) is stationary with kT = {kt}")
         }
         None => format!("No heat bath:\n  - {}", mismatch.join("\n  - ")),
     }
+}
+
+/// Says of a bath whether exp(-H0/kT) has an integral, and whether its noises reach a whole leaf.
+fn further(scene: &Scene, beta: f64, compact: bool) -> String {
+    let (system, y0) = (scene.model.system(), scene.problem().y0);
+    let name = |i: usize| &*scene.components[i];
+    let integral = match growth(system, &y0, beta) {
+        _ if compact => "it has an integral: leaves are compact".into(),
+        Growth::Everywhere => "it has an integral, as far as H0 was looked at: H0 grows".into(),
+        Growth::NotAlong(Some(i)) => {
+            format!("it has no integral, unless {} is an angle: H0 does not grow with it", name(i))
+        }
+        Growth::NotAlong(None) => "it has no integral: H0 does not grow everywhere".into(),
+        Growth::Unknown => "whether it has an integral is not known".into(),
+    };
+    let reach = span(system, &y0).map(|Span { reached, leaf, never }| {
+        let never: Vec<&str> = never.into_iter().map(name).collect();
+        let which =
+            if never.is_empty() { String::new() } else { format!(", not {}", never.join(", ")) };
+        match reached == leaf {
+            true => format!("\n  - its noises reach all {leaf} directions of a leaf"),
+            false => format!(
+                "\n  - its noises reach {reached} of {leaf} directions of a leaf{which}: averages \
+                 depend on where chains begin"
+            ),
+        }
+    });
+    format!("\n  - {integral}{}", reach.unwrap_or_default())
 }

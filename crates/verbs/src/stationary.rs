@@ -158,7 +158,18 @@ fn average(
     // Without a wish, the first averages that chains are long enough for.
     let accuracy = wanted.unwrap_or(f64::MAX);
     scene.source.located(check(scene, exponents.is_none()))?;
-    let ((scheme, mut because), start) = (scheme(scene), Instant::now());
+    let ((mut scheme, mut because), start) = (scheme(scene), Instant::now());
+    let named = scene.settings.scheme != AUTO;
+    // Unless a scheme is named, averages are exact where they can be.
+    let exact = match exponents {
+        None if !named => scene.model.metropolis(),
+        _ => Err("a scheme is named".into()),
+    };
+    let is_langevin = !scene.model.friction().is_empty();
+    if exact.is_err() && !named && is_langevin && scene.model.scheme(BuiltIn::Baoab).is_ok() {
+        scheme = BuiltIn::Baoab.id().into();
+        because = Some("friction and noise are one exact step, and its weak order is 2".into());
+    }
     let settings = EquilibriumSettings {
         key: scene.settings.key,
         truncation: scene.settings.truncation,
@@ -169,11 +180,6 @@ fn average(
         ..EquilibriumSettings::new(scene.settings.steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
-    // Unless a scheme is named, averages are exact where they can be.
-    let exact = match (exponents, &*scene.settings.scheme) {
-        (None, AUTO) => scene.model.metropolis(),
-        _ => Err("a scheme is named".into()),
-    };
     let setup = scene.setup(&scheme)?;
     let mut equilibrium = match exact {
         Ok(sampler) => {

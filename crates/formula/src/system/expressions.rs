@@ -485,6 +485,32 @@ impl Expressions {
         baths.filter_map(rate).collect()
     }
 
+    /// The power of heat: the change of E[H₀] in time by noises, the drift that baths give them, and
+    /// friction with these rates on components, ½Σ fₘ·∇(fₘ·∇H₀) + Σ uₘ fₘ·∇H₀ − Σ γᵢyᵢ∂H₀/∂yᵢ.
+    pub fn heat(&mut self, noises: &[usize], friction: &[(usize, f64)]) -> Tape {
+        let (d, one) = (self.dimension, self.graph.constant(1.0));
+        let slope = self.graph.slopes(&[(self.hamiltonians[0], one)], |k| k < d);
+        let mut heat = self.graph.constant(0.0);
+        for &m in noises {
+            let (_, field) = self.field_of(m + 1);
+            let power = dot(&mut self.graph, &field, &slope);
+            let bent = self.graph.slopes(&[(power, one)], |k| k < d);
+            let bent = dot(&mut self.graph, &field, &bent);
+            average::add(&mut self.graph, &mut heat, bent, 0.5);
+            if let Some(&(_, u)) = self.baths.iter().find(|bath| bath.0 == m + 1) {
+                let drift = self.graph.mul(u, power);
+                heat = self.graph.add(heat, drift);
+            }
+        }
+        for &(i, rate) in friction {
+            let Some(&slope) = slope.get(&i) else { continue };
+            let y = self.graph.input(i);
+            let lost = self.graph.mul(y, slope);
+            average::add(&mut self.graph, &mut heat, lost, -rate);
+        }
+        self.tape(&[heat], [Y])
+    }
+
     /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.
     pub fn in_time(mut self, y: &[f64]) -> (Graph, Vec<Id>) {
         let fields: Vec<Id> =

@@ -208,6 +208,14 @@ impl FormulaSystem {
         self.expressions.clone().friction()
     }
 
+    /// The power of heat as a function of the state: the change of E\[H₀\] in time by these noises,
+    /// counted from 0, with the drift that baths give them, and by friction with these rates on
+    /// components. Its averages over the stationary law, for all baths, have the sum zero.
+    #[must_use]
+    pub fn heat(&self, noises: &[usize], friction: &[(usize, f64)]) -> Tape {
+        self.expressions.clone().heat(noises, friction)
+    }
+
     /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each
     /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`. −γy stands in those
     /// that are `damped`.

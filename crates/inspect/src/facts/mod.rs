@@ -8,6 +8,7 @@
 mod algebra;
 mod bath;
 mod damping;
+mod ergodic;
 mod finding;
 mod form;
 mod probe;
@@ -26,6 +27,7 @@ pub(crate) use {algebra::*, finding::*, form::*, probe::*, random::*, search::*}
 
 pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;
+pub use ergodic::{Growth, Span, growth, span};
 pub use finding::{Finding, Status};
 pub use form::Form;
 pub use scheme::{Conserved, is_damped};

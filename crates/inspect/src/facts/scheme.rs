@@ -2,8 +2,8 @@
 //! What each scheme does is in [`schemes::BuiltIn`].
 //!
 //! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
-//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` under transverse
-//! damping, as on a lattice. `heun` and `em` are for those who name them.
+//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` where a bath shifts
+//! increments. `heun` and `em` are for those who name them.
 
 use mc::Problem;
 use systems::run_time::System;
@@ -75,7 +75,7 @@ impl Conserved {
         let causes = [
             (self.noise, "the noise"),
             (self.damped, "the damping"),
-            (system.has_bath, "the transverse damping"),
+            (system.has_bath, "the bath"),
             (system.depends_on_time, "what depends on time"),
         ];
         let causes = causes.iter().filter(|(acts, _)| *acts && !self.energy);

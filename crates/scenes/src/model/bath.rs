@@ -1,11 +1,12 @@
 //! The heat baths of a scene.
 
-use std::sync::Arc;
+use std::{ops::Range, slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::{Bath, Definition, FormulaSystem},
     inspect::facts::is_divergence_free,
     mc,
+    real::{Row, Rows},
     systems::{
         Linearity,
         probe::around,
@@ -15,7 +16,7 @@ use casimir::{
 use indexmap::IndexMap;
 
 use super::damping::{Rates, constant, named_rates, of_rate};
-use crate::{At, BathTable, Read, Reading, Text, refuse};
+use crate::{At, BathTable, Observable, Quantity, Read, Reading, Text, refuse};
 
 /// Fractions of T at which the conditions of a bath are checked, at points around the initial
 /// value.
@@ -23,11 +24,21 @@ const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
 /// Differences below this part of their terms count as rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// What is of one bath.
+pub struct Share {
+    /// Noises of the definition, by friction, and functions among those of all baths.
+    noises: Range<usize>,
+    functions: Range<usize>,
+    /// The constant rates of its friction.
+    friction: Vec<(usize, f64)>,
+}
+
 /// Adds heat baths to a definition: noises of friction on momenta, whose damping is exact, and
 /// functions through which baths act otherwise.
-pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> Read<()> {
+pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> Read<Vec<Share>> {
     let Reading { file, settings, .. } = reading;
     let times = TIMES.map(|part| part * settings.until);
+    let mut shares = Vec::new();
     for table in file.bath.iter() {
         let BathTable { temperature, through, friction, transverse } = table;
         let kt = of_rate(reading, temperature)?;
@@ -45,13 +56,57 @@ pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> 
         let (given, state) = (friction.iter().collect::<Vec<_>>(), &definition.state);
         let rates = named_rates(reading, &given, state, &definition.vectors)?;
         let noises = of_friction(reading, definition, &rates, temperature)?;
+        let first = (definition.noises.len(), definition.baths.len());
         definition.noises.extend(noises);
         let texts = through.iter().map(|text| text.0.clone());
         let through = texts.chain(of_spins(reading, definition, transverse, temperature, y0)?);
         let bath = |through| Bath { through, temperature: temperature.0.clone() };
         definition.baths.extend(through.map(bath).collect::<Vec<_>>());
+        let constant = |(i, rate): &(usize, &At<Text>)| Ok((*i, of_rate(reading, rate)?.rate(0.0)));
+        shares.push(Share {
+            noises: first.0..definition.noises.len(),
+            functions: first.1..definition.baths.len(),
+            friction: rates.iter().map(constant).collect::<Read<_>>()?,
+        });
     }
-    Ok(())
+    Ok(shares)
+}
+
+/// The heat that each of several baths gives to the system, if nothing changes with time: `heat1`,
+/// …. `exact` are the functions of baths that became friction, the first of which has the noise
+/// `first`.
+pub fn heats(
+    shares: &[Share],
+    system: &FormulaSystem,
+    (exact, first): (&[(usize, usize, f64)], usize),
+) -> Vec<Observable> {
+    if shares.len() < 2 || system.description().depends_on_time {
+        return Vec::new();
+    }
+    let functions = shares.last().map_or(0, |share| share.functions.end);
+    let mut others = system.description().noises - (functions - exact.len())..;
+    let mut converted = first..;
+    let places: Vec<usize> = (0..functions)
+        .filter_map(|k| match exact.iter().any(|(n, ..)| *n == k) {
+            true => converted.next(),
+            false => others.next(),
+        })
+        .collect();
+    let heat = |(n, share): (usize, &Share)| {
+        let Share { noises, functions, friction } = share;
+        let noises: Vec<usize> =
+            noises.clone().chain(places[functions.clone()].iter().copied()).collect();
+        let own = exact.iter().filter(|(k, ..)| functions.contains(k));
+        let friction = friction.iter().copied().chain(own.map(|&(_, i, rate)| (i, rate)));
+        let tape = system.heat(&noises, &friction.collect::<Vec<_>>());
+        let d = system.description().dimension;
+        let power = move |y: &[Row], values: &mut Row| {
+            let mut scratch = Rows::zero(tape.scratch_rows());
+            tape.evaluate(&[&y[..d]], from_mut(values), &mut scratch);
+        };
+        Observable::new(format!("heat{}", n + 1), Quantity::Function(Arc::new(power)))
+    };
+    shares.iter().enumerate().map(heat).collect()
 }
 
 /// √(2αkT/|s|)s for the components of spins s.

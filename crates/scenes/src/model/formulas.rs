@@ -11,7 +11,7 @@ use casimir::{
 
 use super::{
     AtRunTime, Built,
-    bath::baths,
+    bath::{baths, heats},
     damping::{constant, damping},
 };
 use crate::{
@@ -66,7 +66,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         baths: Vec::new(),
     };
     let y0 = &settings.initial;
-    baths(reading, &mut definition, y0)?;
+    let shares = baths(reading, &mut definition, y0)?;
     let made = |definition: &Definition| {
         let system = FormulaSystem::new(definition, y0);
         system.map_err(|error| misdefined(reading, &state, &error))
@@ -82,6 +82,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     if !of_baths.is_empty() {
         system = made(&definition)?;
     }
+    let quantities = heats(&shares, &system, (&of_baths, first));
     let system = Arc::new(system);
     let names = system.names().clone();
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
@@ -99,7 +100,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         components: definition.state,
         names,
         energy: Further::Energy(energy.clone()),
-        quantities: Vec::new(),
+        quantities,
     })
 }
 
