@@ -103,9 +103,16 @@ fn energy(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {
     probe.energy(y, &probe.weights(0))
 }
 
+/// Part of the size of a derivative up to which it is zero: its error is a tenth of this.
+const ERROR: f64 = 1e-13;
+
 /// Derivatives of F along vectors; NaN where no step length resolves the derivative.
 fn along(probe: &mut Probe<'_>, y: &[Vec<f64>], f: &Batch, value: Values<'_>) -> Vec<f64> {
-    let known = |(slope, size): Term| if size.is_finite() { slope } else { f64::NAN };
+    let known = |(slope, size): Term| match size.is_finite() {
+        true if slope.abs() <= ERROR * size => 0.0,
+        true => slope,
+        false => f64::NAN,
+    };
     slopes(probe, y, f, &lengths(y, f), value).into_iter().map(known).collect()
 }
 

@@ -37,8 +37,8 @@ pub enum Growth {
 
 /// Largest number of components for which the rank is computed.
 const MAX_COMPONENTS: usize = 24;
-/// Steps for each component, and their length over the inverse of ‖A‖.
-const STEPS: usize = 40;
+/// Steps, those for each component besides, and their length over the inverse of ‖A‖.
+const STEPS: [usize; 2] = [60, 6];
 const LENGTH: f64 = 0.05;
 /// Pivots of the correlation matrix of C that count as zero: errors of a step have the fifth order
 /// in its length, and those of C the tenth.
@@ -58,7 +58,7 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
     let leaf = leaf.max()?;
     let mut random = Random::new(Purpose::Vectors);
     let (mut y, mut c) = (y0.to_vec(), vec![vec![0.0; d]; d]);
-    for _ in 0..STEPS * d {
+    for _ in 0..STEPS[0] + STEPS[1] * d {
         let mut weights = vec![1.0];
         weights.extend((0..probe.noises()).map(|_| random.uniform()));
         let (_, a) = derivative(&mut probe, &y, &weights);

@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use casimir::{
     expectation::Expect,
     formula::{FormulaSystem, Names},
-    inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, fastest},
+    inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, span},
     mc::{Friction, Problem, Setup},
     schemes::{Baoab, BuiltIn, Method, SchemeError},
     stationary::Metropolis,
@@ -185,6 +185,10 @@ impl Model for AtRunTime {
         let formulas = self.formulas.as_ref().ok_or("a lattice has no such flows")?;
         let beta = self.bath().and_then(|bath| bath.beta);
         let beta = beta.ok_or("no exp(-H0/kT) is known to be stationary")?;
+        let reach = span(self.system(), self.problem.y0());
+        if reach.is_some_and(|Span { reached, leaf, .. }| reached < leaf) {
+            return Err("its noises do not reach all of a leaf".into());
+        }
         let flows = self.flows.get_or_init(|| formulas.by_flows(self.problem.y0()));
         Metropolis::new(&self.problem(), flows, beta)
     }
