@@ -40,9 +40,10 @@ struct Block {
     states: Vec<Vec<Row>>,
 }
 
-/// Rows with a number for each chain: the means over a batch of each average at each step size, and
-/// of its square at the finest; where steps have no bias of H₀, of its square, and of its products
-/// with averages; and the values of watched functions at its end.
+/// Rows with a number for each chain: the means over a batch of each average at each step size,
+/// zero where a chain has the longest only, and of its square at the longest; where steps have no
+/// bias of H₀, of its square, and of its products with averages; and the values of watched
+/// functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// The batches of the chains that have not failed.
@@ -50,6 +51,8 @@ pub struct Living<'a> {
     pub batches: &'a [Batch],
     /// Numbers of the chains.
     pub chains: Vec<usize>,
+    /// Number of the first ones, which have all step sizes.
+    pub paired: usize,
 }
 
 impl Living<'_> {
@@ -98,8 +101,11 @@ pub struct Chains {
     /// The first failure.
     pub failure: Option<String>,
     averages: usize,
-    /// Number of step sizes.
+    /// Number of step sizes, and of the chains that have all of them; others have the longest.
     pub levels: usize,
+    pub paired: usize,
+    /// Whether this number was chosen since steps were halved.
+    pub is_settled: bool,
     /// Parts of the moves that were accepted since batches count, by H₀ and by noises.
     pub accepted: [f64; 2],
 }
@@ -108,7 +114,7 @@ impl Chains {
     pub fn new(
         settings: &EquilibriumSettings,
         of: Averaged<'_>,
-        levels: usize,
+        (levels, paired): (usize, usize),
         t_end: f64,
     ) -> Self {
         let batches = BATCHES as u64;
@@ -116,7 +122,7 @@ impl Chains {
         // An even number in each batch, for schemes that alternate.
         let steps = coarse.next_multiple_of(2 * batches);
         let (batch_steps, averages, tau) = (steps / batches, of.count(), t_end / steps as f64);
-        Self { tau, batch_steps, averages, levels, ..Self::default() }
+        Self { tau, batch_steps, averages, levels, paired, ..Self::default() }
     }
 
     /// Number of rows of averages, squares and products.
@@ -125,9 +131,10 @@ impl Chains {
         (self.levels + 1) * self.averages + products
     }
 
-    /// Path-steps of all levels in a step of the coarsest.
-    pub fn each(&self) -> u64 {
-        (1 << self.levels) - 1
+    /// Path-steps of `chains` chains in a step of the longest size.
+    pub fn each(&self, chains: u64) -> u64 {
+        let paired = (self.paired as u64).min(chains);
+        paired * ((1 << self.levels) - 1) + (chains - paired)
     }
 
     /// Notes how many moves were accepted, and chooses the step size for the `time` of a batch while
@@ -189,7 +196,9 @@ impl Chains {
     }
 
     pub fn living(&self) -> Living<'_> {
-        Living { batches: &self.batches, chains: self.live().collect() }
+        let chains: Vec<usize> = self.live().collect();
+        let paired = chains.iter().filter(|&&n| n < self.paired).count();
+        Living { batches: &self.batches, chains, paired }
     }
 
     /// The numbers of the chains that have not failed.
@@ -221,7 +230,7 @@ impl Chains {
         let spreading = self.number < SPREADING;
         batch.sort_by_key(|sums| sums.block.first);
         let chains = batch.len() * WIDTH;
-        self.spent += self.batch_steps * self.each() * chains as u64;
+        self.spent += self.batch_steps * self.each(chains as u64);
         self.number += 1;
         let exactly = || Vec::with_capacity(chains);
         let mut values: Batch = (0..self.rows()).map(|_| exactly()).collect();
@@ -249,7 +258,7 @@ impl Chains {
         self.failure = self.failure.take().or(failures.first().map(words));
         let first = values.len();
         for block in &self.blocks {
-            let seen = watched.values(&block.states[self.levels - 1]);
+            let seen = watched.values(&block.states[0]);
             values.resize_with(first + seen.len(), exactly);
             values[first..].iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
         }
@@ -293,14 +302,33 @@ impl Chains {
         self.tau *= 0.5;
         self.batch_steps *= 2;
         self.halvings += 1;
+        self.clear();
+        for block in &mut self.blocks {
+            if block.states.len() > 1 {
+                block.states.remove(0);
+                block.states.extend(block.states.last().cloned());
+            }
+            block.live = PathMask::ALL.0;
+        }
+        self.is_settled = false;
+    }
+
+    /// Leaves out what was summed.
+    fn clear(&mut self) {
         self.spent_before = self.spent;
         self.batches.clear();
         let grids = self.histograms.drain(..).map(|found| Histogram::empty(found.grid));
         self.histograms = grids.collect();
+    }
+
+    /// Begins anew with this number of chains that have all step sizes, where the chains are.
+    pub fn pair(&mut self, paired: usize) {
+        (self.paired, self.is_settled) = (paired, true);
+        self.clear();
         for block in &mut self.blocks {
-            block.states.remove(0);
-            block.states.extend(block.states.last().cloned());
-            block.live = PathMask::ALL.0;
+            let levels = if (block.first as usize) < paired { self.levels } else { 1 };
+            let longest = block.states[0].clone();
+            block.states.resize(levels, longest);
         }
     }
 
@@ -312,7 +340,7 @@ impl Chains {
             let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
             sum / f64::from(count.max(1))
         };
-        let mean = of((self.levels - 1) * self.averages + k);
+        let mean = of(k);
         let deviation = (of(self.levels * self.averages + k) - mean * mean).max(0.0).sqrt();
         let range = (mean - REACH * deviation, mean + REACH * deviation);
         Histogram::empty(Grid::covering(Some(range), BINS))
@@ -330,6 +358,8 @@ pub struct Sums {
 /// Statistic that gathers the sums of chains over a batch.
 pub struct Gather<'a> {
     pub of: Averaged<'a>,
+    /// Number of step sizes of these chains.
+    pub levels: usize,
     /// The chains before the batch.
     pub chains: &'a Chains,
     pub blocks: Vec<Sums>,
@@ -337,8 +367,8 @@ pub struct Gather<'a> {
 
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let Self { of, chains, blocks } = self;
-        let (count, first, levels) = (of.count(), view.first_path, chains.levels);
+        let &mut Self { of, levels, chains, ref mut blocks } = self;
+        let (count, first, squares) = (of.count(), view.first_path, chains.levels);
         let known = blocks.iter().rposition(|sums| sums.block.first == first);
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
@@ -356,20 +386,18 @@ impl Statistic for Gather<'_> {
         }
         match of {
             Averaged::Of(observables) => {
-                let products = (levels + 1) * count;
-                let energy = view.state(0).last().filter(|_| levels == 1);
+                let products = (squares + 1) * count;
+                let energy = view.state(0).last().filter(|_| squares == 1);
                 if let Some(energy) = energy {
                     add_rows(&mut sums[products..], &[*energy, energy.map(|h| h * h)]);
                 }
                 for (k, phi) in observables.iter().enumerate() {
                     let mut add =
                         |row: usize, values: Row| add_rows(&mut sums[row * count + k..], &[values]);
-                    let mut values = [0.0; WIDTH];
-                    for run in 0..levels {
-                        values = phi.values(view.state(run), view.live);
-                        add(run, values);
-                    }
-                    add(levels, values.map(|x| x * x));
+                    let values = phi.values(view.state(0), view.live);
+                    add(0, values);
+                    (1..levels).for_each(|run| add(run, phi.values(view.state(run), view.live)));
+                    add(squares, values.map(|x| x * x));
                     if let Some(energy) = energy {
                         let product = std::array::from_fn(|p| values[p] * energy[p]);
                         add_rows(&mut sums[products + 2 + k..], &[product]);

@@ -64,7 +64,7 @@ mod report;
 mod rules;
 mod wells;
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
@@ -251,6 +251,9 @@ impl<'a> Equilibrium<'a> {
                 let since = chains.spent - chains.spent_before;
                 let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
+                let all = settings.blocks_of_chains() as usize;
+                let wanted = now.wanted;
+                let paired = (wanted as usize).max(1).next_multiple_of(WIDTH).min(all);
                 found = Some(now);
                 let shorter = fails || halves && chains.doubled;
                 let more = if shorter { 2 * BATCHES } else { BATCHES };
@@ -262,7 +265,10 @@ impl<'a> Equilibrium<'a> {
                 }
                 if shorter {
                     chains.halve();
+                } else if !chains.is_settled && wanted > 0.0 && paired != chains.paired {
+                    chains.pair(paired);
                 } else if chains.is_full() {
+                    chains.is_settled = true;
                     chains.double(of);
                 }
             }
@@ -289,7 +295,12 @@ impl<'a> Equilibrium<'a> {
 
     /// Chains that have not begun.
     fn begin(&self, of: Averaged<'_>) -> Chains {
-        Chains::new(&self.settings, of, self.levels(), self.setup.problem.t_end)
+        let all = self.settings.blocks_of_chains() as usize;
+        let paired = match of {
+            Averaged::Of(_) if self.beta.is_none() => (all / 4).next_multiple_of(WIDTH),
+            _ => all,
+        };
+        Chains::new(&self.settings, of, (self.levels(), paired), self.setup.problem.t_end)
     }
 
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
@@ -311,7 +322,7 @@ impl<'a> Equilibrium<'a> {
 
     /// Path-steps of `batches` batches.
     fn cost(&self, chains: &Chains, batches: usize) -> u64 {
-        let each = self.settings.blocks_of_chains() * chains.each();
+        let each = chains.each(self.settings.blocks_of_chains());
         chains.batch_steps.saturating_mul(batches as u64).saturating_mul(each)
     }
 
@@ -346,24 +357,35 @@ impl<'a> Equilibrium<'a> {
         let mut batch = setup.clone();
         batch.problem.t_end = chains.tau * chains.batch_steps as f64;
         let family = (key, Purpose::Batch(chains.number));
-        let finest = chains.batch_steps << (chains.levels - 1);
-        let number = self.settings.blocks_of_chains();
-        let mut ladder = batch.ladder(finest, chains.levels - 1, truncation, family, number)?;
-        // Chains that choose their step come to rest again.
-        let heated = if self.beta.is_some() { SPREADING / 2 } else { SPREADING };
-        if chains.number < heated {
-            ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
-        }
+        let (number, paired) = (self.settings.blocks_of_chains(), chains.paired as u64);
         let known = &*chains;
         // The states of a block at first.
         let first = |path| setup.scheme.start(&setup.problem.start(key, path)).state().to_vec();
-        let ladder = ladder.starting(|run, path| {
-            known.states(run, path, watched.dimension).map_or_else(|| first(path), <[Row]>::to_vec)
-        });
-        let new = || Gather { of, chains: known, blocks: Vec::new() };
-        let Measured { statistic: Gather { blocks, .. }, failures, .. } =
-            ladder.run_until(stop, 0, number, new);
-        drop(ladder);
+        // Chains that choose their step come to rest again.
+        let heated = if self.beta.is_some() { SPREADING / 2 } else { SPREADING };
+        let run = |paths: Range<u64>, levels: usize| {
+            let steps = known.batch_steps << (levels - 1);
+            let count = paths.end - paths.start;
+            let mut ladder = batch.ladder(steps, levels - 1, truncation, family, count)?;
+            if known.number < heated {
+                ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
+            }
+            let ladder = ladder.starting(|run, path| {
+                let states = known.states(run, path, watched.dimension);
+                states.map_or_else(|| first(path), <[Row]>::to_vec)
+            });
+            let new = || Gather { of, levels, chains: known, blocks: Vec::new() };
+            Ok::<_, RunError>(ladder.run_until(stop, paths.start, count, new))
+        };
+        let mut found = vec![run(0..paired, known.levels)?];
+        if paired < number {
+            found.push(run(paired..number, 1)?);
+        }
+        let (mut blocks, mut failures) = (Vec::new(), Vec::new());
+        for Measured { statistic, failures: failed, .. } in found {
+            blocks.extend(statistic.blocks);
+            failures.extend(failed);
+        }
         if stop.is_asked() {
             return Ok(false);
         }

@@ -50,6 +50,9 @@ pub struct Averages {
     /// Whether chains failed.
     #[serde(skip)]
     pub(super) fails: bool,
+    /// Number of chains with all step sizes that gives the least error for its cost.
+    #[serde(skip)]
+    pub(super) wanted: f64,
 }
 
 /// An average over the stationary law.
@@ -125,9 +128,10 @@ fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
 
 /// The means of chains after a burn-in.
 struct Kept {
-    /// Means of each chain at each step size.
+    /// Means at each step size: of all chains at the longest, of the first ones, which have all, at
+    /// the others.
     means: Vec<Vec<f64>>,
-    /// Mean square over all chains at the finest step size.
+    /// Mean square over all chains at the main step size.
     square: f64,
     /// Variance over the chains of their means, if batches were independent.
     of_batches: f64,
@@ -136,17 +140,46 @@ struct Kept {
 }
 
 impl Kept {
-    /// Moments of a sum over step sizes, with weights of the last ones.
-    fn moments(&self, weights: [f64; LEVELS]) -> CentralMoments {
+    /// A sum over step sizes, with weights of the last ones, and its standard error. Chains that
+    /// have the longest step alone give what the sum has of a mean, the others what it has of
+    /// differences from that besides.
+    fn mean(&self, weights: [f64; LEVELS]) -> (f64, f64) {
         let weights = &weights[LEVELS - self.means.len()..];
-        let one = |n: usize| weights.iter().zip(&self.means).map(|(w, means)| w * means[n]).sum();
-        moments((0..self.means[0].len()).map(one))
+        let all = self.means[0].len() as f64;
+        let paired = self.means.last().map_or(0, Vec::len);
+        let sum: f64 = weights.iter().sum();
+        // Of differences nothing is left.
+        let share = if sum.abs() > 1e-9 { sum * paired as f64 / all } else { 0.0 };
+        let of =
+            |n: usize| -> f64 { weights.iter().zip(&self.means).map(|(w, of)| w * of[n]).sum() };
+        let one = |n: usize| of(n) - sum * self.means[0][n] + share * self.means[0][n];
+        let first = moments((0..paired).map(one));
+        let others = moments(self.means[0][paired..].iter().map(|x| sum * x));
+        if share == 0.0 || others.count() == 0 {
+            return (first.mean(), first.variance_of_mean().sqrt());
+        }
+        let part = others.count() as f64 / all;
+        let variance = first.variance_of_mean() + part * part * others.variance_of_mean();
+        (first.mean() + part * others.mean(), variance.sqrt())
     }
 
-    /// A mean with its standard error.
-    fn mean(&self, weights: [f64; LEVELS]) -> (f64, f64) {
-        let moments = self.moments(weights);
-        (moments.mean(), moments.variance_of_mean().sqrt())
+    /// Moments of the means at the main step size.
+    fn main(&self, is_average: bool) -> CentralMoments {
+        let main = if is_average { self.means.first() } else { self.means.last() };
+        moments(main.into_iter().flatten().copied())
+    }
+
+    /// The number of chains with all step sizes that gives the least error for its cost.
+    fn wanted(&self, order: f64) -> f64 {
+        let [[weights, _], _] = ways(order);
+        let one = |n: usize| -> f64 {
+            let of = weights.iter().zip(&self.means).map(|(w, of)| w * of[n]);
+            of.sum::<f64>() - self.means[0][n]
+        };
+        let correction = moments((0..self.means[2].len()).map(one)).variance();
+        let cost = f64::from((1 << LEVELS) - 2);
+        let main = self.main(true).variance();
+        self.means[0].len() as f64 * (correction / (main * cost)).sqrt()
     }
 }
 
@@ -164,19 +197,26 @@ impl Averages {
         let (unit, least) =
             if is_average { (1.0, 0.0) } else { (1.0 / tau, NEGLIGIBLE * accuracy) };
         let levels = chains.levels;
-        let finest = |k: usize| (levels - 1) * count + k;
+        // Averages are judged at the longest step, which all chains have.
+        let main = if is_average { 0 } else { (levels - 1) * count };
+        let row = |k: usize| main + k;
         // The sum of exponents is known to settle.
         let settling = if is_average { count } else { (count - 1).max(1) };
-        let burn_ins = (0..count).map(|k| burn_in(&living, finest(k), least / unit));
+        let burn_ins = (0..count).map(|k| burn_in(&living, row(k), least / unit));
         let burn_in = burn_ins.reduce(|a, b| Some(a?.max(b?))).flatten();
         let first = burn_in.unwrap_or(batches / 2);
         let late = (batches - first) as f64;
         let time = tau * (chains.batch_steps * batches as u64) as f64;
         let kept = |k: usize| {
             let means = |row: usize| living.sums(row, first..batches).map(|sum| sum * unit / late);
-            let all = (first..batches).map(|b| spread(&living, finest(k), b)).sum::<f64>();
+            let all = (first..batches).map(|b| spread(&living, row(k), b)).sum::<f64>();
             Kept {
-                means: (0..levels).map(|run| means(run * count + k).collect()).collect(),
+                means: (0..levels)
+                    .map(|run| {
+                        let chains = if run == 0 { live } else { living.paired };
+                        means(run * count + k).take(chains).collect()
+                    })
+                    .collect(),
                 square: means(levels * count + k).sum::<f64>() / live as f64,
                 of_batches: all * unit * unit / (late * late),
                 time: time * late / batches as f64,
@@ -193,22 +233,27 @@ impl Averages {
             let quantile = two_sided(CONFIDENCE, Some(live as f64 - 1.0));
             [all.mean(), quantile * all.variance_of_mean().sqrt()]
         };
-        let wells = watched.wells(&living, (count, is_average, levels, chains.rows()), first);
+        let wells = watched.wells(&living, (count, is_average, main, chains.rows()), first);
+        let mut wanted = 0.0f64;
         let names = of.names().into_iter().enumerate().zip(wells);
         let means = names.map(|((k, name), well)| {
-            let mut mean = mean(&kept(k), settings.weak_order, name, is_average);
+            let kept = kept(k);
+            if is_average && levels == LEVELS {
+                wanted = kept.wanted(settings.weak_order).max(wanted);
+            }
+            let mut mean = mean(&kept, settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();
             mean.by_beta = beta.map(|_| {
                 let [value, half_width] = covariance(k, products + 2 + k);
                 [-value, half_width]
             });
             if !is_average {
-                let wander = unit * wander(&living, finest(k), first);
+                let wander = unit * wander(&living, row(k), first);
                 mean.sampling = hypot(mean.sampling, wander);
             }
             let (lo, hi) = mean.interval();
             let reach = (!is_average && k < settling)
-                .then(|| unsettled(&living, finest(k), first, (lo / unit, hi / unit)))
+                .then(|| unsettled(&living, row(k), first, (lo / unit, hi / unit)))
                 .flatten()
                 .filter(|(lo, hi)| 0.5 * (hi - lo) * unit > mean.half_width() + least);
             if let Some((lo, hi)) = reach {
@@ -254,6 +299,7 @@ impl Averages {
             failure: chains.failure.clone(),
             unknown: drifts.into_iter().chain(failed).collect(),
             fails,
+            wanted,
         }
     }
 
@@ -318,7 +364,8 @@ fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
 /// An average, or an exponent, from the means of its chains.
 fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMean {
     let count = kept.means[0].len() as f64;
-    let quantile = two_sided(CONFIDENCE, Some(count - 1.0));
+    let paired = kept.means.last().map_or(0, Vec::len) as f64;
+    let quantile = two_sided(CONFIDENCE, Some(paired - 1.0));
     // Differences have one sign, and fall by 2^p or nearly so.
     let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
     let seen = |(mean, error): (f64, f64)| mean.abs() > EXCEEDS * error;
@@ -340,7 +387,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     });
     let is_shorter = extrapolated.1 + extrapolated.2 < plain.1 + plain.2;
     let (mean, sampling, mut bias, mut seen) = if is_shorter { extrapolated } else { plain };
-    let finest = kept.moments([0.0, 0.0, 1.0]);
+    let finest = kept.main(is_average);
     let is_exact = kept.means.len() == 1;
     if is_exact {
         (bias, seen) = (0.0, (0.0, 0.0));

@@ -3,7 +3,7 @@
 //! Chains begin with too much noise, so that they fall into all wells, but not as often as the
 //! stationary law has them. Where they do not cross, the chains that are in a well weigh it. An
 //! average that depends little on the well does not show this by itself. So components, sums of
-//! them and functions such as H₀ are watched, once in a batch at the finest step size.
+//! them and functions such as H₀ are watched, once in a batch at the main step size.
 //!
 //! With the mean a of a watched function over the first quarter of the time that is kept and the
 //! mean b of an average over the rest, of each of n chains, z = r√(n − 1) with their correlation r
@@ -91,13 +91,13 @@ impl Watched<'_> {
         rows
     }
 
-    /// The well that each of the first `count` averages at the finest step size depends on, from
+    /// The well that each of the first `count` averages in the rows from `main` on depends on, from
     /// batch number `first` on; `own` if those show wells themselves. `watched` is the first row of
     /// watched functions.
     pub fn wells(
         &self,
         living: &Living<'_>,
-        (count, own, levels, watched): (usize, bool, usize, usize),
+        (count, own, main, watched): (usize, bool, usize, usize),
         first: usize,
     ) -> Vec<Option<Well>> {
         let all = living.batches.len();
@@ -105,7 +105,6 @@ impl Watched<'_> {
         let means = |row: usize, batches: Range<usize>| -> Vec<f64> {
             living.means(row, batches).collect()
         };
-        let finest = (levels - 1) * count;
         let names = self.names();
         let ends = |row: usize| [first - 1, all - 1].map(|end| means(row, end..end + 1));
         if (watched..watched + names.len()).any(|row| is_conserved(&ends(row))) {
@@ -121,11 +120,11 @@ impl Watched<'_> {
         let keeping: Vec<_> = keeping.collect();
         let least = (DEPENDS + 2.0 * ln(keeping.len().max(1) as f64)).sqrt();
         let well = |k: usize| {
-            let late = means(finest + k, quarter..all);
+            let late = means(main + k, quarter..all);
             let depends = |early: &[f64]| correlation(early, &late).abs();
             let of = keeping.iter().map(|(name, early, r)| (*name, depends(early), *r));
             let of = of.filter(|(_, depends, _)| depends * root > least);
-            let itself = depends(&means(finest + k, first..quarter));
+            let itself = depends(&means(main + k, first..quarter));
             let itself = (own && itself * root > KEEPS).then_some(("it", itself, itself));
             let (of, _, r) = of.chain(itself).max_by(|a, b| a.1.total_cmp(&b.1))?;
             // The correlation falls by e in a time of crossing.

@@ -170,6 +170,12 @@ fn average(
         scheme = BuiltIn::Baoab.id().into();
         because = Some("friction and noise are one exact step, and its weak order is 2".into());
     }
+    // Averages need steps that resolve the fastest motion, whatever paths are stored at.
+    let resolving = 4.0 * scene.model.fastest() * scene.settings.until;
+    let steps = match chains.steps {
+        None if resolving > 0.0 => scene.settings.steps.min(resolving.ceil() as u64),
+        _ => scene.settings.steps,
+    };
     let settings = EquilibriumSettings {
         key: scene.settings.key,
         truncation: scene.settings.truncation,
@@ -177,7 +183,7 @@ fn average(
         chains: chains.chains.0,
         max_cost: chains.path_steps.0,
         stop: watch.stop.clone(),
-        ..EquilibriumSettings::new(scene.settings.steps)
+        ..EquilibriumSettings::new(steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
     let setup = scene.setup(&scheme)?;
