@@ -73,10 +73,12 @@ pub fn value_at(observable: &dyn Observe, rows: &[Row]) -> f64 {
     observable.values(rows, PathMask::first(1))[0]
 }
 
-/// Adds the rows `more` to the rows `sums`.
-pub fn add_rows(sums: &mut [Row], more: &[Row]) {
-    let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
-    pairs.for_each(|(sum, more)| *sum += more);
+real::kernel! {
+    /// Adds the rows `more` to the rows `sums`.
+    pub fn add_rows(sums: &'a mut [Row], more: &'a [Row]) {
+        let pairs = sums.as_flattened_mut().iter_mut().zip(more.as_flattened());
+        pairs.for_each(|(sum, more)| *sum += more);
+    }
 }
 
 /// Rows of a block with the state `y` on all paths.

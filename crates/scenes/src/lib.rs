@@ -165,9 +165,6 @@ impl Scene {
             }
         }
         observables.extend(given);
-        if observables.is_empty() {
-            refuse!(None, "so many components need observables: add [observe]");
-        }
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
@@ -188,20 +185,6 @@ impl Scene {
             expected: Vec::new(),
             accuracy: None,
         };
-        let chosen = |name: &At<String>| match is_column(name) {
-            true => Ok(name.to_string()),
-            false => scene.column(name, &GROUPS),
-        };
-        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
-        scene.chosen = chosen.transpose()?;
-        scene.wanted = figures::wanted(&file.statistics, &scene, &constants)?;
-        let conditions = file.probabilities.keys().chain(file.events.keys());
-        scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
-        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
-        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
-        let others = file.system.parameters.keys().map(|key| key.as_str());
-        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
-        scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
         let named = |text: &String| At::new(0..0, Text(text.clone()));
         let named: Vec<At<Text>> = changes.of.iter().map(named).collect();
         match &file.expect {
@@ -223,6 +206,26 @@ impl Scene {
             }
             None => {}
         }
+        if scene.observables.is_empty() {
+            scene.observables.clone_from(&scene.expected);
+        }
+        if scene.observables.is_empty() {
+            refuse!(None, "so many components need observables: add [observe]");
+        }
+        let chosen = |name: &At<String>| match is_column(name) {
+            true => Ok(name.to_string()),
+            false => scene.column(name, &GROUPS),
+        };
+        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
+        scene.chosen = chosen.transpose()?;
+        scene.wanted = figures::wanted(&file.statistics, &scene, &constants)?;
+        let conditions = file.probabilities.keys().chain(file.events.keys());
+        scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
+        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
+        let others = file.system.parameters.keys().map(|key| key.as_str());
+        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
+        scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
         scene.accuracy = changes.accuracy.or(scene.accuracy);
         scene.collected = vocabulary.collected;
         let scheme = &scene.settings.scheme;

@@ -1,6 +1,6 @@
 //! Chains that go on from batch to batch, and sums along them.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use real::{
     PathMask, Row, WIDTH,
@@ -20,13 +20,19 @@ use study::{Grid, Histogram};
 
 /// Number of batches of time when they are full.
 pub const BATCHES: usize = 32;
-/// Number of batches at which averages are formed before they are full.
-const DUE: usize = 24;
+/// Least number of batches, and their distance, at which averages are formed before they are full.
+const DUE: usize = 18;
+const OFTEN: usize = 2;
+/// Steps of the longest size from one value in a histogram to the next.
+const SELDOM: u64 = 4;
 /// Number of batches of the same length before the first, in which chains are spread.
 pub const SPREADING: u64 = BATCHES as u64;
 /// Least and largest number of steps in the first batches of chains that choose them.
 const MIN_STEPS: f64 = 8.0;
 const MAX_STEPS: f64 = 1e12;
+/// Changes of the step that are small, and the most batches until they are.
+const SETTLED: RangeInclusive<f64> = 0.8..=1.25;
+const MAX_SPREADING: u64 = 3 * SPREADING;
 /// Number of bins of a histogram.
 pub const BINS: u32 = 256;
 
@@ -106,6 +112,8 @@ pub struct Chains {
     pub paired: usize,
     /// Whether this number was chosen since steps were halved.
     pub is_settled: bool,
+    /// Number of batches in which chains are spread and choose their step.
+    pub spread: u64,
     /// Parts of the moves that were accepted since batches count, by H₀ and by noises.
     pub accepted: [f64; 2],
 }
@@ -122,7 +130,8 @@ impl Chains {
         // An even number in each batch, for schemes that alternate.
         let steps = coarse.next_multiple_of(2 * batches);
         let (batch_steps, averages, tau) = (steps / batches, of.count(), t_end / steps as f64);
-        Self { tau, batch_steps, averages, levels, paired, ..Self::default() }
+        let spread = SPREADING;
+        Self { tau, batch_steps, averages, levels, paired, spread, ..Self::default() }
     }
 
     /// Number of rows of averages, squares and products.
@@ -148,11 +157,11 @@ impl Chains {
             sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row.iter().sum::<f64>());
             stands |= rows[1].contains(&0.0);
         }
-        let (chains, is_spread) = (self.chains(), self.number < SPREADING);
-        if self.number == SPREADING {
+        let (chains, is_spread) = (self.chains(), self.number < self.spread);
+        if self.number == self.spread {
             self.spent_before = self.spent;
         }
-        let steps = match self.number <= SPREADING {
+        let steps = match self.number <= self.spread {
             true => self.batch_steps,
             false => (self.spent - self.spent_before) / chains,
         };
@@ -166,6 +175,9 @@ impl Chains {
             };
             let factor = if stands { 0.5 } else { by_energy.min(by_noise).clamp(0.5, 2.0) };
             self.tau = (self.tau * factor).min(2.0 * time);
+            if !SETTLED.contains(&factor) && self.number + 1 == self.spread {
+                self.spread = (self.spread + 1).min(MAX_SPREADING);
+            }
             self.batch_steps = (time / self.tau).ceil().clamp(MIN_STEPS, MAX_STEPS) as u64;
         }
     }
@@ -176,7 +188,8 @@ impl Chains {
 
     /// Whether averages can be formed: when batches are full, and between.
     pub fn is_due(&self) -> bool {
-        self.is_full() || self.doubled && self.batches.len() == DUE
+        let number = self.batches.len();
+        self.is_full() || self.doubled && number >= DUE && number.is_multiple_of(OFTEN)
     }
 
     /// Whether batches are full.
@@ -227,7 +240,7 @@ impl Chains {
         start: &dyn Fn(u64) -> Vec<Row>,
         watched: Watched<'_>,
     ) {
-        let spreading = self.number < SPREADING;
+        let spreading = self.number < self.spread;
         batch.sort_by_key(|sums| sums.block.first);
         let chains = batch.len() * WIDTH;
         self.spent += self.batch_steps * self.each(chains as u64);
@@ -365,6 +378,15 @@ pub struct Gather<'a> {
     pub blocks: Vec<Sums>,
 }
 
+real::kernel! {
+    /// Adds a·b.
+    fn add_product(sum: &'a mut Row, a: &'a Row, b: &'a Row) {
+        for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+}
+
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let &mut Self { of, levels, chains, ref mut blocks } = self;
@@ -389,20 +411,22 @@ impl Statistic for Gather<'_> {
                 let products = (squares + 1) * count;
                 let energy = view.state(0).last().filter(|_| squares == 1);
                 if let Some(energy) = energy {
-                    add_rows(&mut sums[products..], &[*energy, energy.map(|h| h * h)]);
+                    add_rows(&mut sums[products..], &[*energy]);
+                    add_product(&mut sums[products + 1], energy, energy);
                 }
                 for (k, phi) in observables.iter().enumerate() {
-                    let mut add =
-                        |row: usize, values: Row| add_rows(&mut sums[row * count + k..], &[values]);
                     let values = phi.values(view.state(0), view.live);
-                    add(0, values);
-                    (1..levels).for_each(|run| add(run, phi.values(view.state(run), view.live)));
-                    add(squares, values.map(|x| x * x));
+                    add_rows(&mut sums[k..], &[values]);
+                    for run in 1..levels {
+                        let values = phi.values(view.state(run), view.live);
+                        add_rows(&mut sums[run * count + k..], &[values]);
+                    }
+                    add_product(&mut sums[squares * count + k], &values, &values);
                     if let Some(energy) = energy {
-                        let product = std::array::from_fn(|p| values[p] * energy[p]);
-                        add_rows(&mut sums[products + 2 + k..], &[product]);
+                        add_product(&mut sums[products + 2 + k], &values, energy);
                     }
                     let known = chains.histograms.get(k).zip(chains.block(first));
+                    let known = known.filter(|_| view.time.is_multiple_of(SELDOM));
                     if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];
                         grid.place(&values, &mut places);

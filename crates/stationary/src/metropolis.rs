@@ -215,20 +215,40 @@ struct Walk<'a> {
     factors: Vec<(f64, f64)>,
 }
 
-/// The chains that go from the energies `before` to those `after`: where β times the change is less
-/// than (a² + b²)/2τ with increments a and b. Energies that are not finite are not accepted.
-#[inline(always)]
-fn accepted(before: &Row, after: &Row, beta: f64, [a, b]: [&Row; 2], tau: f64) -> [bool; WIDTH] {
-    let scale = 0.5 / tau;
-    std::array::from_fn(|p| beta * (after[p] - before[p]) <= scale * (a[p] * a[p] + b[p] * b[p]))
+real::kernel! {
+    /// p′ = decay·p + scale·ΔW.
+    fn mix(p: &'a mut Row, dw: &'a Row, decay: f64, scale: f64) {
+        for (p, dw) in p.iter_mut().zip(dw) {
+            *p = decay * *p + scale * dw;
+        }
+    }
 }
 
-/// Takes the next state where it is accepted.
-#[inline(always)]
-fn take(rows: &mut [Row], next: &[Row], accepts: &[bool; WIDTH]) {
-    for (y, next) in rows.iter_mut().zip(next) {
+real::kernel! {
+    /// Takes the next state, of energies `after`, where β times the change of energies is less than
+    /// (a² + b²)/2τ, and writes 1 into `taken` there; not where energies are not finite. `drawn`
+    /// has the increments a and b.
+    fn decide(
+        y: &'a mut [Row],
+        next: &'a [Row],
+        energies: &'a mut [Row; 2],
+        drawn: &'a [Row],
+        taken: &'a mut Row,
+        beta: f64,
+        tau: f64
+    ) {
+        let [before, after] = energies;
+        let scale = 0.5 / tau;
         for p in 0..WIDTH {
-            y[p] = if accepts[p] { next[p] } else { y[p] };
+            let [a, b] = [drawn[0][p], drawn[1][p]];
+            let accepts = beta * (after[p] - before[p]) <= scale * (a * a + b * b);
+            taken[p] = if accepts { 1.0 } else { 0.0 };
+            before[p] = if accepts { after[p] } else { before[p] };
+        }
+        for (y, next) in y.iter_mut().zip(next) {
+            for p in 0..WIDTH {
+                y[p] = if taken[p] == 1.0 { next[p] } else { y[p] };
+            }
         }
     }
 }
@@ -261,33 +281,29 @@ impl Stepper for Walk<'_> {
         let Self { of, d, rows, of_energy, of_noise, next, times, energy, tau, factors } = self;
         let (dw, drawn) = noise.increments.split_at(noise.increments.len() - DRAWN);
         for (one, (decay, scale)) in of.momenta.iter().zip(factors) {
-            let (p, dw) = (&mut rows[one.component], &dw[one.noise]);
-            p.iter_mut().zip(dw).for_each(|(p, dw)| *p = *decay * *p + *scale * dw);
+            mix(&mut rows[one.component], &dw[one.noise], *decay, *scale);
         }
-        let mut before = energy.values(&rows[..*d]);
+        let (y, more) = rows.split_at_mut(*d);
+        let mut taken = [0.0; WIDTH];
+        let mut energies = [energy.values(y), [0.0; WIDTH]];
         if let Some(of_noise) = of_noise {
             times[0] = [0.0; WIDTH];
             of.walks.iter().for_each(|&m| times[m + 1] = dw[m]);
-            of_noise.run(&[&rows[..*d]], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
-            let after = energy.values(next);
-            let accepts = accepted(&before, &after, of.beta, [&drawn[2], &drawn[3]], *tau);
-            take(rows, next, &accepts);
-            for p in 0..WIDTH {
-                before[p] = if accepts[p] { after[p] } else { before[p] };
-                rows[*d + 2][p] += f64::from(u8::from(accepts[p]));
-            }
+            of_noise.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
+            energies[1] = energy.values(next);
+            decide(y, next, &mut energies, &drawn[2..], &mut taken, of.beta, *tau);
+            more[2].iter_mut().zip(&taken).for_each(|(sum, taken)| *sum += taken);
         }
         times.fill([0.0; WIDTH]);
-        times[0] = rows[*d].map(|direction| direction * *tau);
-        of_energy.run(&[&rows[..*d]], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
-        let after = energy.values(next);
-        let accepts = accepted(&before, &after, of.beta, [&drawn[0], &drawn[1]], *tau);
-        take(rows, next, &accepts);
+        times[0] = more[0].map(|direction| direction * *tau);
+        of_energy.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
+        energies[1] = energy.values(next);
+        decide(y, next, &mut energies, &drawn[..2], &mut taken, of.beta, *tau);
         for p in 0..WIDTH {
-            rows[*d][p] = if accepts[p] { rows[*d][p] } else { -rows[*d][p] };
-            rows[*d + 1][p] += f64::from(u8::from(accepts[p]));
-            rows[*d + 3][p] = if accepts[p] { after[p] } else { before[p] };
+            more[0][p] *= 2.0 * taken[p] - 1.0;
+            more[1][p] += taken[p];
         }
+        more[3] = energies[0];
         status.failed = PathMask::NONE;
     }
 }
