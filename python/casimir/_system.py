@@ -19,7 +19,8 @@ class System:
     ``state`` names the components. ``B`` is the structure matrix: all rows, the entries above the
     diagonal, or blocks such as ``"canonical"`` and ``"spins(s1, s2)"``. ``H0`` is the Hamiltonian,
     ``H`` one for each noise. ``damping`` is the rate γ, which may depend on ``t``, or
-    the table of a scene: ``{"rates": {"p": 0.5}, "temperature": 1.0}``.
+    the table of a scene: ``{"rates": {"p": 0.5}}``. ``bath`` is a table or a list of tables:
+    ``{"temperature": 1.0, "friction": {"p": 0.5}}``.
 
     With ``calculus="ito"`` or ``"stratonovich"``, an equation that is given as well, ``drift`` and
     the fields ``noise``, is compared with that of B and H: what differs is named.
@@ -39,6 +40,7 @@ class System:
         parameters: Mapping[Any, float] | None = None,
         *,
         damping: Formula | Mapping[str, Any] | None = None,
+        bath: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
         calculus: str | None = None,
         drift: Sequence[Formula] | None = None,
         noise: Sequence[Sequence[Formula]] | None = None,
@@ -66,6 +68,8 @@ class System:
         if damping is not None:
             table = damping if isinstance(damping, Mapping) else {"rate": damping}
             self._tables["damping"] = plain(table, "damping")
+        if bath is not None:
+            self._tables["bath"] = plain(bath, "bath")
 
     def scene(self, *, initial: Any, until: Any, steps: int, **changes: Any) -> Scene:
         """The system with its initial value and what is wanted, as :meth:`Scene.with_` takes it."""

@@ -10,8 +10,9 @@ lattice = casimir.Scene(
         "title": "Ferromagnet",
         "system": {
             "name": "spin-lattice",
-            "parameters": {"sizes": [16, 16], "periodic": True, "transverse": 0.5, "temperature": 0.3},
+            "parameters": {"sizes": [16, 16], "periodic": True, "kT": 0.3},
         },
+        "bath": {"temperature": "kT", "transverse": {"s": 0.5}},
         "run": {"initial": [0, 0, 1], "until": 10, "steps": 400, "times": 40, "paths": 2},
         "observe": {"m": "mz"},
     }
@@ -24,5 +25,5 @@ run.plot("lattice")
 # A sweep over the temperature:
 
 # %%
-sweep = casimir.sweep(lattice, temperature=[0.2, 0.5, 1.0]).run(paths=100, times=20)
+sweep = casimir.sweep(lattice, kT=[0.2, 0.5, 1.0]).run(paths=100, times=20)
 sweep.plot("against-m")

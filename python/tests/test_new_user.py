@@ -30,7 +30,7 @@ def scene_of(**changes: Any) -> casimir.Scene:
 
 def test_wrong_numbers_are_refused_with_the_name_of_their_key(oscillator: casimir.Scene) -> None:
     o = oscillator
-    bath = {"rates": {"p": 0.5}, "temperature": -1.0}
+    bath = {"friction": {"p": 0.5}, "temperature": -1.0}
     calls: list[tuple[Callable[[], object], str, str]] = [
         (lambda: o.with_(initial=[NAN, 0]), "run.initial", "finite number, got nan"),
         (lambda: o.with_(initial=np.array([0, INF])), "run.initial", "got inf"),
@@ -45,7 +45,7 @@ def test_wrong_numbers_are_refused_with_the_name_of_their_key(oscillator: casimi
         (lambda: system(B=None), "system.B", "missing"),
         (lambda: system(parameters={"k": NAN}), "system.parameters.k", "finite number"),
         (lambda: system(damping={"rates": {"p": NAN}}), "damping.rates.p", "finite number"),
-        (lambda: scene_of(H=None, damping=bath), "damping.temperature", "at least 0, got -1"),
+        (lambda: scene_of(H=None, damping=None, bath=bath), "bath.temperature", "positive, got -1"),
         (lambda: o.run(seed=-1), "run.seed", "`-1` is not a seed: a whole number from 0 to 1844"),
         (lambda: o.run(seed=1.5), "run.seed", "is not a seed"),
         (lambda: o.run(seed=2**64), "run.seed", "is not a seed"),

@@ -226,9 +226,13 @@ def test_states_are_a_scene_s_own(oscillator: casimir.Scene, tmp_path: Path) -> 
     assert casimir.Scene(one.to_dict()).run().initial.tolist() == [[1, 0], [2, 0]]
 
 
-def test_a_bath_is_a_table_of_damping() -> None:
-    table = {"rates": {"p": 0.5}, "temperature": 1.5}
-    system = casimir.System(state="q p", B="canonical", H0="(p^2 + q^2)/2", damping=table)
+def test_a_bath_is_a_table_or_several() -> None:
+    table = {"friction": {"p": 0.5}, "temperature": 1.5}
+    system = casimir.System(state="q p", B="canonical", H0="(p^2 + q^2)/2", bath=table)
     scene = system.scene(initial=[1, 0], until=4, steps=64)
     assert scene.inspect().data["bath"]["beta"] == pytest.approx(1 / 1.5, abs=1e-9)
     assert "H = []" in repr(system)
+    tables = [{"temperature": kt, "through": [phi]} for kt, phi in [(1.0, "q"), (2.0, "q*q/2")]]
+    system = casimir.System(state="q p", B="canonical", H0="(p^2 + q^2)/2", bath=tables)
+    found = system.scene(initial=[1, 0], until=4, steps=64).inspect()
+    assert found.data["bath"]["beta"] is None

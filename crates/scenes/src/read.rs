@@ -50,6 +50,9 @@ pub fn parse(text: &str) -> Read<SceneFile> {
         // "unknown key `x`, expected one of `a`, `b`".
         let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
         let hint = match words[..] {
+            ["temperature", ..] if message.starts_with("unknown key") => {
+                "; a bath has a table of its own: [bath]".into()
+            }
             [key, ref known @ ..] if message.starts_with("unknown key") => nearest(key, known),
             _ => String::new(),
         };
@@ -97,10 +100,14 @@ fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
 
 /// The parameters of a system of the project.
 impl<'a> Reading<'a> {
-    /// Checks that all given parameters have known names.
+    /// Checks that all given parameters have known names, or are for baths.
     pub fn know(&self, known: &[&str]) -> Read<()> {
+        let baths = self.file.bath.iter();
+        let texts = baths.flat_map(|bath| bath.transverse.values().chain([&bath.temperature]));
+        let texts: Vec<&str> = texts.map(|text| &*text.0).collect();
+        let is_known = |key: &str| known.contains(&key) || texts.iter().any(|of| of.contains(key));
         let mut keys = self.file.system.parameters.keys();
-        if let Some(key) = keys.find(|key| !known.contains(&key.as_str())) {
+        if let Some(key) = keys.find(|key| !is_known(key)) {
             refuse!(key, "unknown parameter `{}`{}", **key, among(key, known));
         }
         Ok(())

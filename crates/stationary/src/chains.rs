@@ -12,7 +12,7 @@ use stats::CentralMoments;
 use super::{
     Averaged, EquilibriumSettings,
     metropolis::MORE,
-    rules::{LEAST_ACCEPTED, REACH, REJECTED},
+    rules::{BY_NOISE, REACH, REJECTED},
     wells::Watched,
 };
 use mc::{PathFailure, Statistic, View, add_rows};
@@ -146,9 +146,9 @@ impl Chains {
         paired * ((1 << self.levels) - 1) + (chains - paired)
     }
 
-    /// Notes how many moves were accepted, and chooses the step size for the `time` of a batch while
-    /// chains are spread: a rejection by H₀ is of order τ³, one by noises of order √τ, and where a
-    /// chain stands still the step is too long for where it is.
+    /// Notes how many moves were accepted, and chooses the step size for the `time` of a batch
+    /// while chains are spread: a rejection by H₀ is of order τ³, one by noises of order √τ,
+    /// and where a chain stands still the step is too long for where it is.
     pub fn adapt(&mut self, dimension: usize, time: f64) {
         let mut sums = [0.0; MORE];
         let mut stands = false;
@@ -171,7 +171,7 @@ impl Chains {
             let by_energy = exp(ln(REJECTED / (1.0 - self.accepted[0]).max(1e-9)) / 3.0);
             let by_noise = match self.accepted[1] {
                 0.0 => f64::INFINITY,
-                accepted => (LEAST_ACCEPTED / (1.0 - accepted).max(1e-9)).powi(2),
+                accepted => (BY_NOISE / (1.0 - accepted).max(1e-9)).powi(2),
             };
             let factor = if stands { 0.5 } else { by_energy.min(by_noise).clamp(0.5, 2.0) };
             self.tau = (self.tau * factor).min(2.0 * time);
@@ -410,15 +410,20 @@ impl Statistic for Gather<'_> {
             Averaged::Of(observables) => {
                 let products = (squares + 1) * count;
                 let energy = view.state(0).last().filter(|_| squares == 1);
+                // Without the rows of a sampler.
+                let y = |run: usize| {
+                    let y = view.state(run);
+                    if squares == 1 { &y[..y.len() - MORE] } else { y }
+                };
                 if let Some(energy) = energy {
                     add_rows(&mut sums[products..], &[*energy]);
                     add_product(&mut sums[products + 1], energy, energy);
                 }
                 for (k, phi) in observables.iter().enumerate() {
-                    let values = phi.values(view.state(0), view.live);
+                    let values = phi.values(y(0), view.live);
                     add_rows(&mut sums[k..], &[values]);
                     for run in 1..levels {
-                        let values = phi.values(view.state(run), view.live);
+                        let values = phi.values(y(run), view.live);
                         add_rows(&mut sums[run * count + k..], &[values]);
                     }
                     add_product(&mut sums[squares * count + k], &values, &values);

@@ -41,7 +41,7 @@ struct Momentum {
     rate: f64,
     /// The noise that moves it, counted from 0.
     noise: usize,
-    /// Its variance at equilibrium.
+    /// The variance at equilibrium.
     variance: f64,
 }
 
@@ -216,8 +216,8 @@ struct Walk<'a> {
     factors: Vec<(f64, f64)>,
 }
 
-/// The part of τ for which the flows of H₀ go in this step: a quarter in every 8th step, a sixteenth
-/// in every 64th, so that chains move also where H₀ is steeper than usual.
+/// The part of τ for which the flows of H₀ go in this step: a quarter in every 8th step, a
+/// sixteenth in every 64th, so that chains move also where H₀ is steeper than usual.
 fn share(number: u64) -> f64 {
     match (number + 1) % 64 {
         0 => 1.0 / 16.0,

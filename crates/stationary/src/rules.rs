@@ -37,7 +37,7 @@ pub const MAX_REVIVALS: u32 = 3;
 /// Part of the moves by H₀ that are rejected, and of those by noises, for which the exact sampler
 /// chooses its step. With fewer, steps are short; with more, chains turn round or stand still.
 pub const REJECTED: f64 = 0.04;
-pub const LEAST_ACCEPTED: f64 = 0.4;
+pub const BY_NOISE: f64 = 0.4;
 
 // Whether chains are long enough.
 

@@ -124,7 +124,7 @@ impl Watched<'_> {
             let depends = |early: &[f64]| correlation(early, &late).abs();
             let of = keeping.iter().map(|(name, early, r)| (*name, depends(early), *r));
             let of = of.filter(|(_, depends, _)| depends * root > least);
-            let itself = depends(&means(main + k, first..quarter));
+            let itself = correlation(&means(main + k, first..quarter), &late);
             let itself = (own && itself * root > KEEPS).then_some(("it", itself, itself));
             let (of, _, r) = of.chain(itself).max_by(|a, b| a.1.total_cmp(&b.1))?;
             // The correlation falls by e in a time of crossing.

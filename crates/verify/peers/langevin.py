@@ -22,8 +22,8 @@ SCENE = """
 state = ["q", "p"]
 B = "canonical"
 H0 = "p^2/2 + (q^2 - 1)^2"
-[damping]
-rates = { p = 1 }
+[bath]
+friction = { p = 1 }
 temperature = 1
 [run]
 initial = [1, 0]

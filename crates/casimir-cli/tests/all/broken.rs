@@ -106,7 +106,7 @@ const BROKEN: &[Broken] = &[
     (BODY, "1.0\nsteps = 64\nscheme = \"sexp-li\"", "64.0\nsteps = 64\ntruncation = 4\nscheme = \"sexp\"",
         "line 9, column 9", "Take at least 65 steps"),
     (SPINS, "[4, 4]", "[4, 0]", "line 3, column 24", "at least 1"),
-    (SPINS, "transverse = 0.1, ", "", "line 3, column 63", "needs `transverse` damping"),
+    (SPINS, "[run]", "[bath]\ntemperature = 1\ntransverse = { s = 1 }\n[run]", "line 3, column 62", "leave this out"),
     (SPINS, "periodic = true", "periodic = 1", "line 3, column 43", "true or false"),
     (SPINS, "initial = [0, 0, 1]", "initial = [0, 1]", "line 5, column 11", "48 components, got 2"),
     (SPINS, "[4, 4], periodic = true", "[3, 3], periodic = true", "", "even size"),
@@ -121,7 +121,7 @@ fn broken_scenes_have_a_place_and_a_way_out() {
         let mut text = base.replacen(what, by, 1);
         if words.contains("even size") {
             text += "scheme = \"split\"\n";
-            text = text.replace("transverse = 0.1, temperature = 0.5", "noise = 0.1");
+            text = text.replace("transverse = 0.1, ", "");
         }
         let folder = with_scene(&text);
         let output = run(folder.path(), &["run", "scene.toml"]);

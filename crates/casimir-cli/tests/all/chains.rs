@@ -26,8 +26,8 @@ const WELLS: &str = r#"
 state = ["q", "p"]
 B = "canonical"
 H0 = "p^2/2 + (q^2 - 1)^2 + 0.05*q"
-[damping]
-rates = { p = 1 }
+[bath]
+friction = { p = 1 }
 temperature = 0.05
 [run]
 initial = [1, 0]
@@ -76,7 +76,8 @@ sizes = [4]
 exchange = 0.2
 anisotropy = 6
 field = [0, 0, 0.1]
-transverse = 0.5
+[bath]
+transverse = { s = 0.5 }
 temperature = 0.2
 [run]
 initial = [0, "sin(1.5)", "cos(1.5)"]
@@ -107,8 +108,10 @@ fn one_chain_that_fails_is_named() {
     let open = open.replace("until = 20", "until = 10").replace("steps = 800", "steps = 1000");
     let open = open.replace("= 0.05\n", "= 0.03\n").replace("\"q^2\"", "\"q\"");
     let folder = with_scene(&open.replace("= 0.005", "= 0.002"));
-    let output =
-        run(folder.path(), &["equilibrium", "scene.toml", "--seed", "2", "--path-steps", "2e6"]);
+    let output = run(
+        folder.path(),
+        &["equilibrium", "scene.toml", "--seed", "5", "--path-steps", "2e6", "--scheme", "sexp"],
+    );
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("cannot tell: 1 of 256 chains failed"), "{said}");
     assert_eq!(output.status.code(), Some(1));
@@ -225,8 +228,8 @@ state = ["x", "p"]
 B = "canonical"
 H0 = "p^2/(2*m) + k*x^2/2"
 parameters = { m = 1e-15, k = 1e-3 }
-[damping]
-rates = { p = 1e6 }
+[bath]
+friction = { p = 1e6 }
 temperature = 4.14e-21
 [run]
 initial = [0, 0]
@@ -236,7 +239,9 @@ steps = 256
     let folder = with_scene(small);
     let text = succeeds(folder.path(), &["equilibrium", "scene.toml"]);
     assert!(text.contains("kT = 4.140e-21") && !text.contains("0.000"), "{text}");
-    assert!(text.contains("chains of length 4.80e-4, burn-in "), "{text}");
+    assert!(text.contains("H0 = 4.1") && text.contains("exact: Metropolis"), "{text}");
+    let text = succeeds(folder.path(), &["equilibrium", "scene.toml", "--scheme", "sexp"]);
+    assert!(text.contains("chains of length 2.75e-5, burn-in "), "{text}");
     let told = json(folder.path(), &["equilibrium", "scene.toml", "--json"]);
     assert!(told["reached"] == true && told["accuracy"].is_null(), "{told:#}");
     assert!(told["estimates"][0]["of"] == "x" && contains(&told, 0, 0.0), "{told:#}");

@@ -36,7 +36,8 @@ fn every_entry_says_when_and_is_used_then() {
     // Together all schemes and an expectation use everything.
     let schemes = BuiltIn::ALL.iter().map(|scheme| json!({ "scheme": scheme.id() }));
     let expected = json!({ "scheme": "nv", "levels": [{ "samples": 2 }] });
-    let used = bibtex(Some(&schemes.chain([expected]).collect()));
+    let exact = json!({ "scheme": "metropolis" });
+    let used = bibtex(Some(&schemes.chain([expected, exact]).collect()));
     assert_eq!(used, all);
     // And every scheme but sexp has its own.
     for scheme in BuiltIn::ALL {

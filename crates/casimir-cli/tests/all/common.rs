@@ -117,9 +117,16 @@ paths = 256
 /// Spins.
 pub const SPINS: &str = r#"[system]
 name = "spin-lattice"
-parameters = { sizes = [4, 4], periodic = true, transverse = 0.1, temperature = 0.5 }
+parameters = { sizes = [4, 4], periodic = true, transverse = 0.1, noise = 0.3 }
 [run]
 initial = [0, 0, 1]
 until = 1.0
 steps = 64
 "#;
+
+/// A scene with friction in the place of a bath that has nothing else.
+pub fn without_bath(scene: &str) -> String {
+    let lines = scene.lines().filter(|line| !line.starts_with("temperature = "));
+    let scene = lines.collect::<Vec<_>>().join("\n") + "\n";
+    scene.replace("[bath]\nfriction = ", "[damping]\nrates = ")
+}

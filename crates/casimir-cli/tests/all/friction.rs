@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{fails, json, succeeds, with_scene};
+use crate::common::{fails, json, succeeds, with_scene, without_bath};
 
 /// Two pendulums with a spring in a bath, each with friction of its own.
 const PENDULUMS: &str = r#"
@@ -11,8 +11,8 @@ state = ["q[1..2]", "p[1..2]"]
 B = "canonical"
 H0 = "p1^2/2 + p2^2/(2*m) + 2 - cos(q1) - cos(q2) + (q1 - q2)^2/2"
 parameters = { g = 0.7, h = 0.3, kT = 1.5, m = 2.5 }
-[damping]
-rates = { p1 = "g", p2 = "h" }
+[bath]
+friction = { p1 = "g", p2 = "h" }
 temperature = "kT"
 [run]
 initial = [0.5, 0, 0.1, 0.2]
@@ -39,14 +39,14 @@ fn a_bath_has_its_temperature_and_what_spoils_it_is_named() {
     let text = inspected(PENDULUMS);
     assert!(text.contains("dp2 = ") && text.contains("∘ dW2 - γ p2 dt"), "{text}");
     assert!(text.contains("damping  γ = 0.7 on p1; γ = 0.3 on p2"), "{text}");
-    assert!(text.contains("stationary with kT = 1.5,"), "{text}");
+    assert!(text.contains("stationary with kT = 1.5\n"), "{text}");
     // The same by hand, spoilt in several ways; kT of the first is 1.5.
-    let noise = |text: &str| changed("temperature = \"kT\"", "").replace("kT = 1.5, ", text);
+    let noise = |text: &str| without_bath(PENDULUMS).replace("kT = 1.5, ", text);
     let with = |noises: &str| {
         noise("kT = 1.5, ").replace("[damping]", &format!("H = {noises}\n[damping]"))
     };
     let right = "[\"sqrt(2*g*kT)*q1\", \"-sqrt(2*h*m*kT)*q2\"]";
-    assert!(inspected(&with(right)).contains("kT = 1.5,"));
+    assert!(inspected(&with(right)).contains("kT = 1.5\n"));
     for (noises, words) in [
         (right.replace("*m", ""), "p2 has kT = 0.600000, its noise 0.632456 times"),
         (right.replace("2*h", "h"), "p2 has kT = 0.750000"),
@@ -127,7 +127,10 @@ fn temperatures_are_found_to_nine_digits() {
         ),
     ];
     let found = |(state, b, energy, rates, noises): Bathed| {
-        let bath = if noises.is_empty() { "temperature = \"kT\"" } else { "" };
+        let bath = match noises {
+            [] => format!("[bath]\nfriction = {{ {rates} }}\ntemperature = \"kT\""),
+            _ => format!("[damping]\nrates = {{ {rates} }}"),
+        };
         let initial = vec![
             0.3;
             if state.contains("..3") {
@@ -140,7 +143,7 @@ fn temperatures_are_found_to_nine_digits() {
         ];
         let scene = format!(
             "[system]\nstate = {state}\nB = {b}\nH0 = \"{energy}\"\nH = {noises:?}\n\
-             parameters = {{ kT = 1.7, b = 0.8 }}\n[damping]\nrates = {{ {rates} }}\n{bath}\n[run]\n\
+             parameters = {{ kT = 1.7, b = 0.8 }}\n{bath}\n[run]\n\
              initial = {initial:?}\nuntil = 1\nsteps = 64\n"
         );
         let folder = with_scene(&scene.replace("H = []\n", ""));
@@ -167,7 +170,7 @@ fn temperatures_are_found_to_nine_digits() {
 #[test]
 fn friction_on_all_components_is_damping() {
     let damping = |table: &str| {
-        let scene = PENDULUMS.replace("temperature = \"kT\"\n", "");
+        let scene = without_bath(PENDULUMS);
         let scene = scene.replace("rates = { p1 = \"g\", p2 = \"h\" }", table);
         let folder = with_scene(&scene);
         succeeds(folder.path(), &["run", "scene.toml", "--write", "npz", "--out", "run"]);
@@ -276,22 +279,22 @@ fn orders_are_those_without_friction() {
 #[test]
 fn what_cannot_be_is_refused_at_its_place() {
     for (from, to, words) in [
-        ("p1 = \"g\"", "r1 = \"g\"", ["line 8, column 11", "`r1` is no component; the nearest is"]),
-        ("p1 = \"g\"", "p = \"g\"", ["line 8, column 20", "`p2` is damped twice"]),
-        ("p1 = \"g\"", "p1 = \"q\"", ["line 8, column 17", "unknown name `q`"]),
-        ("rates = {", "rate = 1\nrates = {", ["line 8, column 8", "or `rates` such as"]),
+        ("p1 = \"g\"", "r1 = \"g\"", ["line 8, column 14", "`r1` is no component; the nearest is"]),
+        ("p1 = \"g\"", "p = \"g\"", ["line 8, column 23", "`p2` is damped twice"]),
+        ("p1 = \"g\"", "p1 = \"q\"", ["line 8, column 20", "unknown name `q`"]),
         (
-            "rates = { p1 = \"g\", p2 = \"h\" }",
-            "rate = 1",
-            ["line 9, column 15", "friction on momenta"],
+            "[bath]",
+            "[damping]\nrate = 1\nrates = { p1 = 1 }\n[bath]",
+            ["line 8, column 8", "or `rates` such as"],
         ),
+        ("friction = { p1 = \"g\", p2 = \"h\" }", "", ["line 9, column 15", "a bath acts by"]),
         ("p1^2/2", "p1^4", ["line 9, column 15", "no term p1^2/(2*m)"]),
-        ("[damping]", "H = [\"q1\"]\n[damping]", ["line 7, column 5", "leave out `H`"]),
+        ("[bath]", "H = [\"q1\"]\n[bath]", ["line 7, column 5", "leave out `H`"]),
     ] {
         fails(with_scene(&changed(from, to)).path(), &["run", "scene.toml"], 2, &words);
     }
-    let laser = LASER.replace("rate = 0.5", "rate = 0.5\ntemperature = 1");
-    fails(with_scene(&laser).path(), &["run", "scene.toml"], 2, &["is for formulas"]);
+    let laser = LASER.to_owned() + "[bath]\ntemperature = 1\nfriction = { y2 = 1 }\n";
+    fails(with_scene(&laser).path(), &["run", "scene.toml"], 2, &["a bath is for formulas"]);
 }
 
 /// Twice a half-width of 95 % is missed once in 10⁴ (normal), here by one of two in 2·10⁻⁴.
@@ -313,14 +316,14 @@ fn momenta_have_the_temperature_of_the_bath() {
     assert!(right.iter().all(|off| *off <= 2.0), "{right:?}");
     // A noise without the mass.
     let noises = "H = [\"sqrt(2*g*kT)*q1\", \"sqrt(2*h*kT)*q2\"]\n[damping]";
-    let wrong = PENDULUMS.replace("temperature = \"kT\"", "").replace("[damping]", noises);
+    let wrong = without_bath(PENDULUMS).replace("[damping]", noises);
     assert!(deviations(&wrong)[1] > 2.0, "{:?}", deviations(&wrong));
 }
 
 /// An energy that friction breaks is not said to be kept, and no theorem of the paper to apply.
 #[test]
 fn nothing_is_claimed_that_friction_breaks() {
-    let scene = PENDULUMS.replace("temperature = \"kT\"\n", "");
+    let scene = without_bath(PENDULUMS);
     let folder = with_scene(&scene);
     let text = succeeds(folder.path(), &["inspect", "scene.toml"]);
     let applies = text.lines().find(|line| line.contains("they apply:")).unwrap_or_default();
@@ -339,7 +342,7 @@ fn spins_with_transverse_damping_have_their_temperature() {
     let scene = |noise: &str, spin: &str, end: &str| {
         format!(
             "[system]\nname = \"spin-lattice\"\n[system.parameters]\nsizes = [3]\nexchange = 0.7\n\
-             anisotropy = 0.2\nfield = [0, 0.3, 0.4]\ntransverse = 0.3\n{noise}\n[run]\n\
+             anisotropy = 0.2\nfield = [0, 0.3, 0.4]\n{noise}\n[run]\n\
              initial = [{spin}]\nuntil = 1\nsteps = 64\n{end}"
         )
     };
@@ -349,25 +352,24 @@ fn spins_with_transverse_damping_have_their_temperature() {
     };
     let (unit, long) = ("0, 0.6, 0.8", "0, 1.2, 1.6");
     let damped = "[damping]\nrate = 0.1";
-    for (noise, spin, kt) in [
-        ("temperature = 0.7", unit, 0.7),
-        ("temperature = 0.7", long, 0.7),
-        ("noise = 0.3", unit, 0.15),
-        ("noise = 0.3", long, 0.3),
-    ] {
+    let bath = "[bath]\ntransverse = { s = 0.3 }\ntemperature = 0.7";
+    let alone = "noise = 0.3\ntransverse = 0.3";
+    for (noise, spin, kt) in
+        [(bath, unit, 0.7), (bath, long, 0.7), (alone, unit, 0.15), (alone, long, 0.3)]
+    {
         let bath = spins(noise, spin, "");
         let beta = bath["beta"].as_f64().unwrap_or_else(|| panic!("{noise}, {spin}: {bath}"));
         assert!((beta * kt - 1.0).abs() < 1e-9, "{noise}, {spin}: {beta}");
     }
     let mixed = "0, 0.6, 0.8, 0, 0, 1, 0, 1.2, 1.6";
-    let words = ["line 9", "lengths from 1 to 2", "give `noise`"];
-    let folder = with_scene(&scene("temperature = 0.7", mixed, ""));
+    let words = ["line 10", "lengths from 1 to 2", "give `noise`"];
+    let folder = with_scene(&scene(bath, mixed, ""));
     fails(folder.path(), &["run", "scene.toml"], 2, &words);
     for (noise, spin, end) in [
-        ("noise = 0.3\nlocal = false", unit, ""),
-        ("noise = 0.3", mixed, ""),
-        ("noise = 0.3", unit, damped),
-        ("noise = 0", unit, ""),
+        ("noise = 0.3\ntransverse = 0.3\nlocal = false", unit, ""),
+        (alone, mixed, ""),
+        (alone, unit, damped),
+        ("noise = 0\ntransverse = 0.3", unit, ""),
     ] {
         let bath = spins(noise, spin, end);
         let words = bath["mismatch"][0].as_str().unwrap_or_default();

@@ -44,7 +44,7 @@ fn what_is_kept_is_of_one_scene() {
     let verbs: [(&[&str], &str); 5] = [
         (&["run", "scene.toml"], "run/part-1-of-1.bin"),
         (&["expect", "scene.toml"], "expect/samples.bin"),
-        (&["equilibrium", "scene.toml"], "equilibrium/chains.bin"),
+        (&["equilibrium", "scene.toml", "--scheme", "sexp"], "equilibrium/chains.bin"),
         (&["lyapunov", "scene.toml", "--accuracy", "2e-3"], "lyapunov/chains.bin"),
         (&["order", "scene.toml", "--path-steps", "2e7"], "order/part-1-of-1.bin"),
     ];

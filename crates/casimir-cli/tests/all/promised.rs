@@ -86,12 +86,13 @@ fn a_bath_that_would_be_wrong_is_refused_with_what_is_right() {
             "rates = { s = 0.5 }",
             "[0, 0.3, 0.1]",
             "sy",
-            "\"Any other equation\"",
+            "acts on it `through` functions",
         ),
     ] {
         let with = |rest: &str| scene(state, b, energy, rest, initial);
         let place = ["line 7, column 15", words];
-        let refused = with(&format!("[damping]\n{rates}\ntemperature = 1"));
+        let refused =
+            with(&format!("[bath]\n{}\ntemperature = 1", rates.replace("rates", "friction")));
         fails(with_scene(&refused).path(), &["run", "scene.toml"], 2, &place);
         let taken = bath(&with(&format!("H = [\"{old}\"]\n[damping]\n{rates}")));
         assert_eq!(taken, None, "{energy}");
@@ -100,7 +101,7 @@ fn a_bath_that_would_be_wrong_is_refused_with_what_is_right() {
         PLANE,
         CANONICAL,
         "(1 + 0.5*sin(t))*p^2/2 + q^2",
-        "[damping]\nrates = { p = 0.5 }\ntemperature = 1",
+        "[bath]\nfriction = { p = 0.5 }\ntemperature = 1",
         "[1, 0]",
     );
     fails(with_scene(&time).path(), &["run", "scene.toml"], 2, &["no term p^2/(2*m)"]);
@@ -108,7 +109,7 @@ fn a_bath_that_would_be_wrong_is_refused_with_what_is_right() {
                  [run]\ninitial = [1, 0]\nuntil = 1\nsteps = 8\n";
     fails(with_scene(twice).path(), &["run", "scene.toml"], 2, &["`q`"]);
     for (kt, words) in
-        [("\"1 + q^2\"", "unknown name `q`"), ("-1", "kT is at least 0, got -1 at t = 0")]
+        [("\"1 + q^2\"", "unknown name `q`"), ("-1", "kT must be positive, got -1 at t = 0")]
     {
         let wrong = time.replace("(1 + 0.5*sin(t))*", "").replace("re = 1", &format!("re = {kt}"));
         fails(with_scene(&wrong).path(), &["run", "scene.toml"], 2, &[words]);
@@ -141,7 +142,7 @@ fn a_bath_of_constant_masses_has_its_temperature() {
         ),
         (PLANE, CANONICAL, "p^2/2 + q^2/2", "q = 0.3, p = \"2*0.25\"", "[1, 0]"),
     ] {
-        let rest = format!("[damping]\nrates = {{ {rates} }}\ntemperature = 1.7");
+        let rest = format!("[bath]\nfriction = {{ {rates} }}\ntemperature = 1.7");
         let found = bath(&scene(state, b, energy, &rest, initial));
         assert!(found.is_some_and(|kt| (kt - 1.7).abs() < 1e-8), "{state} {energy}: {found:?}");
     }
@@ -150,7 +151,7 @@ fn a_bath_of_constant_masses_has_its_temperature() {
         PLANE,
         CANONICAL,
         "p^2/2 + q^2 - cos(t)*q",
-        "[damping]\nrates = { p = \"1 + t\" }\ntemperature = \"1 + t\"",
+        "[bath]\nfriction = { p = \"1 + t\" }\ntemperature = \"1 + t\"",
         "[1, 0]",
     );
     succeeds(with_scene(&driven).path(), &["inspect", "scene.toml"]);
@@ -160,8 +161,8 @@ fn a_bath_of_constant_masses_has_its_temperature() {
 fn a_lattice_has_a_temperature_where_its_noise_gives_one() {
     let lattice = |parameters: &str, initial: &str, end: &str| {
         format!(
-            "[system]\nname = \"spin-lattice\"\nparameters = {{ sizes = [2], transverse = 0.1, \
-             temperature = 0.5{parameters} }}\n[run]\ninitial = {initial}\nuntil = 1\nsteps = 8\n{end}"
+            "[system]\nname = \"spin-lattice\"\nparameters = {{ sizes = [2]{parameters} }}\n[bath]\n\
+             temperature = 0.5\ntransverse = {{ s = 0.1 }}\n[run]\ninitial = {initial}\nuntil = 1\nsteps = 8\n{end}"
         )
     };
     let unit = "[0, 0.6, 0.8]";
@@ -170,7 +171,7 @@ fn a_lattice_has_a_temperature_where_its_noise_gives_one() {
         (lattice("", unit, "[damping]\nrate = 0.1\n"), "and no [damping]"),
         (lattice("", "[\"z1\", 0, 1]", ""), "spins have lengths from"),
     ] {
-        fails(with_scene(&scene).path(), &["run", "scene.toml"], 2, &["line 3", words]);
+        fails(with_scene(&scene).path(), &["run", "scene.toml"], 2, &["line 5", words]);
     }
     assert!((bath(&lattice("", unit, "")).unwrap() - 0.5).abs() < 1e-9);
 }
@@ -241,7 +242,7 @@ fn what_is_kept_follows_from_all_damping() {
         (lattice("", ""), "split: it keeps the Casimirs, and nearly the energy but for the noise"),
         (
             lattice(", transverse = 0.1", ""),
-            "sexp-li: it keeps the Casimirs, and nearly the energy but for the noise and the transverse damping",
+            "sexp-li: it keeps the Casimirs, and nearly the energy but for the noise and the bath",
         ),
         (
             lattice("", "[damping]\nrate = 1\ncomponents = [\"s1x\"]\n"),
@@ -364,8 +365,8 @@ fn findings_do_not_mislead() {
     assert!(!zero.contains("commute") && !zero.contains("damps exactly"), "{zero}");
     let pole = text("p^2/(2*q^2) + q^2/2", "");
     assert!(pole.contains("by quadrature: relative error") && !pole.contains("NOT"), "{pole}");
-    let bath = text("p^2/2 - q^2/2", "[damping]\nrates = { p = 0.5 }\ntemperature = 1");
-    assert!(bath.contains("kT = 1, if it has an integral"), "{bath}");
+    let bath = text("p^2/2 - q^2/2", "[bath]\nfriction = { p = 0.5 }\ntemperature = 1");
+    assert!(bath.contains("it has no integral"), "{bath}");
     let inside =
         scene(PLANE, CANONICAL, "p^2/2", "", "[1, 0]") + "[observe]\na = \"1 + integral(q)\"\n";
     fails(with_scene(&inside).path(), &["run", "scene.toml"], 2, &["and use that"]);

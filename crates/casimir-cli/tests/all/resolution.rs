@@ -133,7 +133,7 @@ fn random_initial_values_have_a_spread_of_step_errors() {
 fn a_stiff_bond_in_a_bath_is_said_to_lack_energy() {
     // x = ωτ/2 = 0.35 gives ⟨kq²/2⟩ = ½kT/(1 + x²): 11 % too little.
     let scene = "[system]\nstate = ['q', 'p']\nB = 'canonical'\nH0 = 'p^2/2 + 4900*q^2/2'\n\
-                 [damping]\nrates = { p = 1 }\ntemperature = 1\n[run]\ninitial = [0, 0]\nuntil = 5\n\
+                 [bath]\nfriction = { p = 1 }\ntemperature = 1\n[run]\ninitial = [0, 0]\nuntil = 5\n\
                  steps = 500\npaths = 200\n[observe]\npot = '4900*q^2/2'\n";
     let said = says(scene);
     let words = "turns by 0.7 radians in a step: where noise drives it, schemes like the midpoint \

@@ -69,8 +69,8 @@ fn an_accuracy_that_is_not_reached_is_said_with_the_time_it_takes() {
 state = ["q", "p"]
 B = "canonical(q, p)"
 H0 = "p^2/2 + q^2/2"
-[damping]
-rates = { p = 1 }
+[bath]
+friction = { p = 1 }
 temperature = 1
 [run]
 initial = [0, 0]

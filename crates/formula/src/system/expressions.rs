@@ -485,8 +485,8 @@ impl Expressions {
         baths.filter_map(rate).collect()
     }
 
-    /// The power of heat: the change of E[H₀] in time by noises, the drift that baths give them, and
-    /// friction with these rates on components, ½Σ fₘ·∇(fₘ·∇H₀) + Σ uₘ fₘ·∇H₀ − Σ γᵢyᵢ∂H₀/∂yᵢ.
+    /// The power of heat: the change of E[H₀] in time by noises, the drift that baths give them,
+    /// and friction with these rates on components, ½Σ fₘ·∇(fₘ·∇H₀) + Σ uₘ fₘ·∇H₀ − Σ γᵢyᵢ∂H₀/∂yᵢ.
     pub fn heat(&mut self, noises: &[usize], friction: &[(usize, f64)]) -> Tape {
         let (d, one) = (self.dimension, self.graph.constant(1.0));
         let slope = self.graph.slopes(&[(self.hamiltonians[0], one)], |k| k < d);

@@ -61,6 +61,7 @@ const MAX_BLOCK: usize = 200;
 ///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])].into(),
 ///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),
 ///     noises: words(&["c*y1^2/2"]),
+///     baths: Vec::new(),
 /// };
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
 /// assert!(body.description().is_quadratic() && body.description().always_solvable);

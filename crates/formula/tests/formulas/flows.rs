@@ -56,6 +56,7 @@ fn system(
         structure: structure.into(),
         energy: energy.into(),
         noises: words(noises),
+        ..Definition::default()
     };
     let y0: Vec<f64> = (0..names.len()).map(|k| 0.7 + 0.1 * k as f64).collect();
     FormulaSystem::new(&definition, &y0).unwrap()

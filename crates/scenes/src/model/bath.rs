@@ -24,7 +24,7 @@ const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
 /// Differences below this part of their terms count as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What is of one bath.
+/// The noises and the friction of one bath.
 pub struct Share {
     /// Noises of the definition, by friction, and functions among those of all baths.
     noises: Range<usize>,

@@ -14,8 +14,8 @@ use crate::{At, Read, Reading, Text, Wrong, place, refuse};
 /// The components with a rate, where each is damped alone.
 pub type Rates<'a> = Vec<(usize, &'a At<Text>)>;
 
-/// The rates of components, by `rates` or the friction of baths; none where one rate is that of all.
-/// `vectors` are those of the state.
+/// The rates of components, by `rates` or the friction of baths; none where one rate is that of
+/// all. `vectors` are those of the state.
 pub fn rates<'a>(
     reading: &Reading<'a>,
     components: &[String],

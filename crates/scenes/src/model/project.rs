@@ -63,6 +63,10 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
         ("drift", place(&table.drift)),
         ("noise", table.noise.iter().flatten().next().map(At::span)),
     ];
+    let is_lattice = name.as_str() == "spin-lattice";
+    if let Some(bath) = reading.file.bath.first().filter(|_| !is_lattice) {
+        refuse!(&bath.temperature, "a bath is for formulas, and for `spin-lattice`");
+    }
     if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         refuse!(place, "`{key}` is for formulas: remove it, or `name = \"{}\"`", **name);
     }

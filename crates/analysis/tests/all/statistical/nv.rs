@@ -1,4 +1,4 @@
-//! Weak order two of `nv` on systems from texts, and its limit.
+//! Weak order two of `nv` on systems from texts, and its limit; and that of `baoab`.
 //!
 //! Errors of order τ² are lost in the noise of random paths, so paths are integrals over Sobol
 //! points, as in the supplement `rigid-body-weak-two` of `verify`. A difference between step sizes
@@ -14,7 +14,7 @@ use noise::{QuasiWiener, StepNoise, StreamKey};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{
-    About, Heun, Nv, Step, Stepper, Sweep,
+    About, Baoab, Heun, Nv, Step, Stepper, Sweep,
     run_time::{Scheme, SchemeError},
 };
 use stats::{Against, CrossMoments, Expansion, Rate, diagonal, fit_weak};
@@ -243,6 +243,35 @@ fn nv_has_weak_order_two_on_texts() {
         let (_, hi) = interval("  twin", &found);
         assert!(found.misfits() || hi < 2.0, "{}: {found:?}", case.name);
     }
+}
+
+/// Two particles on quartic springs with friction and noise of their momenta.
+#[test]
+fn baoab_has_weak_order_two_on_langevin_dynamics() {
+    let definition = texts(
+        "q1 q2 p1 p2",
+        &["0 1 0", "0 1", "0"],
+        "p1^2/2 + p2^2/4 + q1^4/4 + q2^2 + q1*q2/2",
+        &["1.1*q1", "0.7*q2"],
+    );
+    let friction = [(2, 0.9), (3, 0.4)].map(|(component, rate)| Friction {
+        damping: Arc::new(constant(rate)),
+        components: vec![component],
+    });
+    let of = friction.clone().map(|one| (one.damping, one.components));
+    let baoab = Baoab::new(of);
+    let phi = |y: &[f64]| y[0] * y[0] + y[3];
+    let problem = || problem(&definition, 0.0, &[0.8, -0.3, 0.2, 0.5], 1.0);
+    let case = Case { name: "baoab", problem: problem(), friction: Vec::new(), phi, points: 256 };
+    let found = order(&case, [&baoab, &baoab], Expansion::EvenPowers);
+    let (lo, hi) = interval(case.name, &found);
+    assert!(!found.misfits() && lo <= 2.0 && 2.0 <= hi, "{found:?}");
+    assert!(1.5 < lo && hi < 2.5, "{found:?}");
+    let in_turn = InTurn(Nv::default());
+    let case = Case { friction: friction.to_vec(), ..case };
+    let found = order(&case, [&in_turn, &in_turn], Expansion::EveryPower);
+    let (_, hi) = interval("  twin", &found);
+    assert!(found.misfits() || hi < 2.0, "{found:?}");
 }
 
 /// Whether means of `nv`, and of Heun's scheme with noises of another size, are the same. They are

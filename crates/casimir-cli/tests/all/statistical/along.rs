@@ -185,8 +185,8 @@ fn chains_have_no_need_of_what_paths_collect() {
 state = ["q", "p"]
 B = "canonical"
 H0 = "(p^2 + q^2)/2"
-[damping]
-rates = { p = 1 }
+[bath]
+friction = { p = 1 }
 temperature = 1
 [run]
 initial = [0, 0]
