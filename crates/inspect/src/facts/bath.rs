@@ -13,9 +13,9 @@ use super::{
 ///
 /// e^{−βH₀} is stationary if the Fokker–Planck residual A + βB + β²C vanishes: with rates γᵢ,
 /// fₘ = B∇Hₘ and dₘ = ∇·fₘ, sₘ = fₘ·∇H₀, it is A = Σγᵢ − ∇·f₀ + ½Σ(fₘ·∇dₘ + dₘ²), C = ½Σsₘ² and
-/// B = s₀ − Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ), where s₀ is zero without transverse damping. Tested at
-/// 32 points around the initial value. For spins with transverse damping, each spin has its initial
-/// length at these points: f₀ and fₘ are tangential, and so are the divergences.
+/// B = s₀ − Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ), where s₀ is zero without a bath that shifts increments.
+/// Tested at 32 points around the initial value; spins of a lattice have their initial lengths at
+/// these points: f₀ and fₘ are tangential, and so are the divergences.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bath {
     /// Inverse temperature β for which e^{−βH₀} is stationary, if there is one.
@@ -33,27 +33,30 @@ impl Bath {
     /// Computes the stationary densities of a system; its components have constant damping `rates`.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
         let (mut probe, mut states) = seen(system, y0);
-        let transverse = probe.description().has_bath;
-        if transverse {
+        let bathed = probe.description().has_bath;
+        // Of formulas the law holds on all leaves, of a lattice on that of the initial value.
+        if bathed && probe.description().joined.is_empty() {
             states.iter_mut().for_each(|y| scale_spins(y, y0));
         }
         let d = y0.len();
         let drift = probe.field(&states, &probe.weights(0));
         let drift_divergence = divergence(&mut probe, 0, &states);
         let slope = probe.gradient(&states, &probe.weights(0));
-        // A, B and C at each state, each with the size of its terms.
-        let mut terms = [(); 3].map(|()| vec![(0.0, 0.0); states.len()]);
+        // A, B and C at each state, each with the size of its terms: of drift and damping, and of
+        // each noise.
+        let none = || [(); 3].map(|()| vec![(0.0, 0.0); states.len()]);
+        let mut parts = vec![none()];
         let add = |to: &mut Term, x: f64| *to = (to.0 + x, to.1 + x.abs());
-        if transverse {
+        if bathed {
             let power = along(&mut probe, &states, &drift, &energy);
-            terms[1].iter_mut().zip(power).for_each(|(b, power)| add(b, power));
+            parts[0][1].iter_mut().zip(power).for_each(|(b, power)| add(b, power));
         }
         let mut heat = vec![vec![0.0; d]; states.len()];
         for (n, y) in states.iter().enumerate() {
-            add(&mut terms[0][n], -drift_divergence[n]);
+            add(&mut parts[0][0][n], -drift_divergence[n]);
             for i in 0..d {
-                add(&mut terms[0][n], rates[i]);
-                add(&mut terms[1][n], -rates[i] * y[i] * slope[n][i]);
+                add(&mut parts[0][0][n], rates[i]);
+                add(&mut parts[0][1][n], -rates[i] * y[i] * slope[n][i]);
             }
         }
         for m in 1..=probe.noises() {
@@ -62,7 +65,7 @@ impl Bath {
             let of_divergence: Values<'_> = &|probe, y| divergence(probe, m, y);
             let power: Values<'_> = &|probe, y| {
                 let f = probe.field(y, &weights);
-                if transverse {
+                if bathed {
                     return along(probe, y, &f, &energy);
                 }
                 let g = probe.gradient(y, &probe.weights(0));
@@ -70,33 +73,55 @@ impl Bath {
             };
             let [(d, along_d), (s, along_s)] = [of_divergence, power]
                 .map(|of| (of(&mut probe, &states), along(&mut probe, &states, &f, of)));
+            let mut part = none();
             for n in 0..states.len() {
-                add(&mut terms[0][n], 0.5 * along_d[n]);
-                add(&mut terms[0][n], 0.5 * d[n].powi(2));
-                add(&mut terms[1][n], -0.5 * along_s[n]);
-                add(&mut terms[1][n], -d[n] * s[n]);
-                add(&mut terms[2][n], 0.5 * s[n] * s[n]);
+                add(&mut part[0][n], 0.5 * along_d[n]);
+                add(&mut part[0][n], 0.5 * d[n].powi(2));
+                add(&mut part[1][n], -0.5 * along_s[n]);
+                add(&mut part[1][n], -d[n] * s[n]);
+                add(&mut part[2][n], 0.5 * s[n] * s[n]);
                 heat[n].iter_mut().zip(&f[n]).for_each(|(heat, f)| *heat += f * f);
             }
+            parts.push(part);
         }
+        // The sum of all but one part.
+        let without = |left: Option<usize>| {
+            let mut sums = none();
+            for part in parts.iter().enumerate().filter(|(m, _)| Some(*m) != left).map(|all| all.1)
+            {
+                for (sum, term) in sums.iter_mut().flatten().zip(part.iter().flatten()) {
+                    *sum = (sum.0 + term.0, sum.1 + term.1);
+                }
+            }
+            sums
+        };
+        let terms = without(None);
         let size = largest(drift.iter().flatten());
         let zero = |(x, of): &Term| x.abs() <= ZERO * of.max(size);
         if terms.iter().flatten().all(zero) {
             return Self { any: true, ..Self::default() };
         }
         let beta = stationary(&terms);
+        // A noise that spoils a bath: without it there is a temperature.
+        let spoils = || {
+            let of = |m: usize| Some((m, stationary(&without(Some(m)))?));
+            let (m, beta) = (1..parts.len()).find_map(of)?;
+            let kt = 1.0 / beta;
+            Some(format!("noise {m} is not of the bath, which has kT = {kt:.6} without it"))
+        };
         let mismatch = match beta {
             Some(_) => Vec::new(),
-            None if transverse => vec![SPINS.into()],
+            None if bathed => vec![spoils().unwrap_or(BATHS.into())],
             None => mismatch(&states, &slope, &heat, rates),
         };
         Self { beta, any: false, mismatch }
     }
 }
 
-/// Reason why no e^{−βH₀} is stationary for spins with transverse damping α.
-const SPINS: &str = "transverse damping α of spins of one length |s| balances noise of each spin \
-                     with σ² = 2α kT/|s|, and no other damping";
+/// Reason why no e^{−βH₀} is stationary with a bath.
+const BATHS: &str = "baths have one temperature, and there is neither other damping nor other \
+                     noise: transverse damping α of spins of one length |s| balances noise of each \
+                     spin with σ² = 2α kT/|s|";
 
 /// Values of H₀.
 fn energy(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {

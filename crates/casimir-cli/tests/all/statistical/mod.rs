@@ -1,5 +1,6 @@
 //! Statistical property tests.
 
 mod along;
+mod baths;
 mod stationary;
 mod truths;

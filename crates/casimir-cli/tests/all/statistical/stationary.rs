@@ -201,7 +201,7 @@ fn the_bias_of_the_step_is_that_of_theory() {
     let folder = with_scene(&scene.replace("steps = 160", "steps = 96"));
     for scheme in ["sexp", "sexp-li"] {
         // A bias below a part of so little accuracy is small: no step is halved.
-        let chains = ["--chains", "16384"];
+        let chains = ["--chains", "8192"];
         let arguments = ["equilibrium", "scene.toml", "--json", "--scheme", scheme];
         let found = json(folder.path(), &[&arguments[..], &chains].concat());
         let [coarse, fine] = [0, 2].map(|level| {
