@@ -1,7 +1,7 @@
 //! Two schemes of your own, one explicit and one implicit, and their strong orders.
 //!
 //! ```text
-//! cargo run -p casimir-poisson --example own_scheme
+//! cargo run --release -p casimir-poisson --example own_scheme
 //! ```
 
 use casimir::prelude::*;
