@@ -71,7 +71,8 @@ fn orders_and_costs_on_an_alias_are_undecided() {
         let folder = with_scene(&driven(&format!("cos(2*pi*{hertz}*t)"), "1", run));
         let command = ["order", "scene.toml", "--json", "--path-steps", "3e6"];
         let strong = json(folder.path(), &command)["strong"]["words"].as_str().unwrap().to_owned();
-        let compared = crate::common::run(folder.path(), &["compare", "scene.toml"]);
+        let compared =
+            crate::common::run(folder.path(), &["compare", "scene.toml", "--budget", "0.3"]);
         let compared = String::from_utf8(compared.stdout).unwrap();
         let undecided = "undecided: the steps do not resolve H(t) near t = ";
         assert_eq!(strong.contains(undecided), !is_seen, "{strong}");

@@ -97,7 +97,7 @@ fn numbers_are_printed_also_where_a_file_cannot_be_written() {
         ("run scene.toml --paths 200", "index.html", "95 % interval"),
         ("run scene.toml --json --write npz", "paths.npz", "\"seed\""),
         ("order scene.toml --path-steps 1e5", "order.json", "strong, y(T)"),
-        ("compare scene.toml --budget 1", "compare.json", "an error of"),
+        ("compare scene.toml --budget 0.3", "compare.json", "an error of"),
         ("inspect scene.toml", "inspect.json", "D = 2"),
         ("expect scene.toml", "expect.json", "E[energy]"),
         ("expect scene.toml --json", "expect.json", "\"half_width\""),
@@ -271,8 +271,9 @@ fn a_signal_ends_with_a_line_and_exit_code_130() {
 #[cfg(unix)]
 #[test]
 fn nohup_works() {
-    let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 1e6"));
-    let program = "nohup \"$0\" run scene.toml --json > told & sleep 0.2; kill -HUP $!; wait $!";
+    let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 4e5"));
+    let program = "nohup \"$0\" run scene.toml --json --threads 1 > told & sleep 0.2; \
+                   kill -HUP $!; wait $!";
     let mut shell = std::process::Command::new("bash");
     shell.args(["-c", program, env!("CARGO_BIN_EXE_casimir")]).current_dir(folder.path());
     assert!(shell.output().unwrap().status.success());
@@ -285,7 +286,7 @@ fn what_is_said_of_stopped_work_is_true() {
     // All paths are at t = 0.
     let folder = with_scene(&OSCILLATOR.replace("steps = 64", "steps = 1e9\ntimes = 1"));
     let (code, words) =
-        signalled(folder.path(), &["run", "scene.toml", "--threads", "1"], "-INT", 500);
+        signalled(folder.path(), &["run", "scene.toml", "--threads", "1"], "-INT", 300);
     assert_eq!(code, Some(130), "{words}");
     assert!(words.contains("nothing is written") && !words.contains("complete"), "{words}");
     assert!(!folder.path().join("scene-run/index.html").exists());
@@ -303,11 +304,11 @@ fn what_is_said_of_stopped_work_is_true() {
         }
         let (code, words) = thread::scope(|scope| {
             scope.spawn(|| {
-                thread::sleep(Duration::from_millis(700));
+                thread::sleep(Duration::from_millis(350));
                 _ = fs::remove_dir_all(&kept);
                 fs::write(&kept, "").unwrap();
             });
-            signalled(folder.path(), &arguments, "-INT", 1500)
+            signalled(folder.path(), &arguments, "-INT", 700)
         });
         assert_eq!(code, Some(130), "{words}");
         assert!(words.contains("no samples are kept: the same command begins anew"), "{words}");
@@ -315,7 +316,7 @@ fn what_is_said_of_stopped_work_is_true() {
     }
     let folder = with_scene(OSCILLATOR);
     let arguments = ["expect", "scene.toml", "--accuracy", "1e-7", "--threads", "1"];
-    let (_, words) = signalled(folder.path(), &arguments, "-INT", 1500);
+    let (_, words) = signalled(folder.path(), &arguments, "-INT", 700);
     let kept = folder.path().join("scene-expect/samples.bin").exists();
     assert!(kept && words.contains("the same command goes on from them"), "{words}");
 }

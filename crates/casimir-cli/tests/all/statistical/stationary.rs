@@ -296,7 +296,7 @@ fn what_nobody_can_tell_is_said() {
 
 #[test]
 fn chains_go_on_from_their_checkpoint() {
-    let scene = bath("(q^2 - 1)^2", "\"q\", \"p^2\"", 0.02);
+    let scene = bath("(q^2 - 1)^2", "\"q\", \"p^2\"", 0.015);
     let found = |folder: &tempfile::TempDir| {
         let arguments = ["equilibrium", "scene.toml", "--threads", "1", "--scheme", "sexp"];
         let text = succeeds(folder.path(), &arguments);
@@ -306,12 +306,12 @@ fn chains_go_on_from_their_checkpoint() {
     let undisturbed = found(&with_scene(&scene));
     let folder = with_scene(&scene);
     let mut child = casimir(folder.path())
-        .args(["equilibrium", "scene.toml", "--scheme", "sexp"])
+        .args(["equilibrium", "scene.toml", "--threads", "1", "--scheme", "sexp"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    thread::sleep(Duration::from_millis(250));
+    thread::sleep(Duration::from_millis(150));
     let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.unwrap().success() && child.wait().unwrap().code() == Some(130));
     assert!(folder.path().join("scene-equilibrium/chains.bin").exists());
