@@ -192,6 +192,11 @@ impl Chains {
         self.is_full() || self.doubled && number >= DUE && number.is_multiple_of(OFTEN)
     }
 
+    /// Whether chains that go on have averages.
+    pub fn has_averages(&self) -> bool {
+        self.is_full() || self.doubled && self.batches.len() >= DUE
+    }
+
     /// Whether batches are full.
     pub fn is_full(&self) -> bool {
         self.batches.len() == BATCHES

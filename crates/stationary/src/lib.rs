@@ -18,9 +18,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Chains.** Some hundred independent paths run for a long time, each at τ, and at 2τ and 4τ with
-//! the same noise, which costs three quarters more. The time average of a chain is one sample: the
-//! standard error follows from the chains, not from a model of their correlation. Chains go on in
+//! **Exact.** Where e^{−βH₀} is known to be stationary and flows are known, [`Metropolis`] makes
+//! steps without a bias, see [`Equilibrium::exact`]. Everything about the bias below is for other
+//! schemes.
+//!
+//! **Chains.** Some hundred independent paths run for a long time at 4τ, and the first of them also
+//! at 2τ and τ with the same noise, as many as their variance over their cost asks for. The time
+//! average of a chain is one sample: the standard error follows from the chains, not from a model
+//! of their correlation. An average is that at 4τ over all chains and the mean of differences over
+//! the first. Chains go on in
 //! 32 batches of time; when these are full, two and two are joined, and the next 16 double the
 //! time.
 //!
@@ -236,6 +242,10 @@ impl<'a> Equilibrium<'a> {
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| self.begin(of));
         let (mut found, mut reached) = (None, false);
+        if chains.has_averages() {
+            let of_chains = (of, setup.scheme.about().id, self.beta);
+            found = Some(Averages::new(&chains, settings, of_chains, accuracy, watched));
+        }
         loop {
             if chains.is_due() {
                 let of_chains = (of, setup.scheme.about().id, self.beta);

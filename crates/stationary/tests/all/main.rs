@@ -3,7 +3,7 @@
 
 mod baoab;
 mod baths;
-mod metropolis;
+mod statistical;
 
 use std::sync::Arc;
 

@@ -1,0 +1,3 @@
+//! Tests that judge a random sample.
+
+mod metropolis;
