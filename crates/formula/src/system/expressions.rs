@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, ops::Range, slice::from_ref};
 
 use super::{
-    MAX_EXPRESSIONS, average, cayley,
+    Coordinate, MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
     flows::Term,
     sparse::{Field, Sparse, connected, dot},
@@ -469,6 +469,31 @@ impl Expressions {
         let gradient = self.graph.slopes(&weighted, |k| k < self.dimension);
         let field = self.times(&gradient);
         (gradient, field)
+    }
+
+    /// The coordinates of momenta, as [`super::FormulaSystem::coordinates`] has them.
+    pub fn coordinates(&mut self, momenta: &[usize]) -> Vec<Option<Coordinate>> {
+        let (d, one) = (self.dimension, self.graph.constant(1.0));
+        let slopes = self.graph.slopes(&[(self.hamiltonians[0], one)], |k| k < d);
+        let coordinate = |&p: &usize| {
+            let is_coordinate = |entry: &&Entry| {
+                let constant = self.graph.as_constant(entry.above);
+                self.structure[entry.column].len() == 1 && constant.is_some()
+            };
+            let entry = *self.structure[p].iter().find(is_coordinate)?;
+            let b = self.graph.as_constant(entry.above)?;
+            let slope = slopes.get(&p).copied();
+            let rate = slope.and_then(|slope| self.rate(slope, p));
+            let mass = match rate.and_then(|rate| self.graph.as_constant(rate)) {
+                Some(rate) => Ok(1.0 / (rate * b * b)),
+                None => {
+                    let reads = slope.map_or(BTreeSet::new(), |slope| self.reads(&[slope]));
+                    Err(reads.into_iter().find(|&k| k != p))
+                }
+            };
+            Some(Coordinate { component: entry.column, mass })
+        };
+        momenta.iter().map(coordinate).collect()
     }
 
     /// The baths that are linear friction, with the component and the rate.

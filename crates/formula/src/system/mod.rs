@@ -202,6 +202,12 @@ impl FormulaSystem {
         &self.formulas.names
     }
 
+    /// The coordinates of momenta p: the q with B∇q = b·e_p and a constant b; none if there is none.
+    #[must_use]
+    pub fn coordinates(&self, momenta: &[usize]) -> Vec<Option<Coordinate>> {
+        self.expressions.clone().coordinates(momenta)
+    }
+
     /// The baths that are linear friction: number of the bath, component, and rate γ, where
     /// B∇Φ u = −γy on one component, with constant B∇Φ and γ.
     #[must_use]
@@ -224,6 +230,15 @@ impl FormulaSystem {
     pub fn equations(&self, damped: &[bool]) -> Vec<String> {
         self.expressions.clone().equations(self.formulas.names.variables(), damped)
     }
+}
+
+/// The coordinate of a momentum p.
+pub struct Coordinate {
+    /// Number of the component.
+    pub component: usize,
+    /// m/b² with H₀ = p²/2m + …; or a component besides that ∂H₀/∂p depends on, if it has another
+    /// form.
+    pub mass: Result<f64, Option<usize>>,
 }
 
 impl System for FormulaSystem {

@@ -3,26 +3,19 @@
 use std::{ops::Range, slice::from_mut, sync::Arc};
 
 use casimir::{
-    formula::{Bath, Definition, FormulaSystem},
+    formula::{Bath, Coordinate, Definition, FormulaSystem},
     inspect::facts::is_divergence_free,
-    mc,
     real::{Row, Rows},
-    systems::{
-        Linearity,
-        probe::around,
-        run_time::{Problem, System},
-    },
+    systems::{Linearity, run_time::System},
 };
 use indexmap::IndexMap;
 
-use super::damping::{Rates, constant, named_rates, of_rate};
+use super::damping::{Rates, named_rates, of_rate};
 use crate::{At, BathTable, Observable, Quantity, Read, Reading, Text, refuse};
 
 /// Fractions of T at which the conditions of a bath are checked, at points around the initial
 /// value.
 const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
-/// Differences below this part of their terms count as rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// The noises and the friction of one bath.
 pub struct Share {
@@ -142,7 +135,8 @@ fn of_spins(
 /// dpᵢ = … − γᵢpᵢdt, H₀ = pᵢ²/2mᵢ + … and its coordinate q, √(2γᵢmᵢkT)q.
 ///
 /// e^{−H₀/kT} is stationary if fields B∇H have no divergence, B∇q is constant and acts on pᵢ alone,
-/// and ∂H₀/∂pᵢ = pᵢ/mᵢ with a constant mᵢ. All this is looked at, and what fails is named.
+/// and ∂H₀/∂pᵢ = pᵢ/mᵢ with a constant mᵢ. All this is looked at in the formulas, and what fails is
+/// named.
 fn of_friction(
     reading: &Reading<'_>,
     definition: &Definition,
@@ -156,78 +150,41 @@ fn of_friction(
     if let Some(noises) = &file.system.noises {
         refuse!(noises, "the noise of friction follows from the `temperature`: leave out `H`");
     }
-    let times = TIMES.map(|part| part * settings.until);
-    // With the components as Hamiltonians of noises, these have the columns of B.
-    let noises = definition.state.clone();
-    let columns = Definition { noises, baths: Vec::new(), ..definition.clone() };
-    let (y0, state) = (&settings.initial, &definition.state);
-    // What is wrong with the definition is told without noises.
-    let Ok(system) = FormulaSystem::new(&columns, y0) else { return Ok(Vec::new()) };
-    let points = around(y0, |y| system.check_domain(y).is_ok());
-    let problem = Problem::new(Arc::new(system), constant(0.0), y0.clone(), settings.until);
-    let Ok(problem) = problem else { return Ok(Vec::new()) };
-    let description = problem.system().description();
-    if description.linearity != Linearity::Constant && !is_divergence_free(problem.system(), y0) {
+    let y0 = &settings.initial;
+    let free = Definition { noises: Vec::new(), baths: Vec::new(), ..definition.clone() };
+    // What is wrong with the definition is told later.
+    let Ok(system) = FormulaSystem::new(&free, y0) else { return Ok(Vec::new()) };
+    let is_constant = system.description().linearity == Linearity::Constant;
+    if !is_constant && !is_divergence_free(&system, y0) {
         refuse!(
             temperature,
             "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any noise"
         );
     }
-    let of = mc::Problem::at_run_time(&problem);
-    let times = if description.depends_on_time { &times[..] } else { &times[..1] };
-    let states: Vec<_> = points
-        .iter()
-        .flat_map(|y| times.iter().map(move |t| (*t, y)))
-        .map(|(t, y)| (y, (of.coefficients)(t, y)))
-        .collect();
-    let noise = |(i, rate): &(usize, &At<Text>)| {
-        let (i, name) = (*i, &state[*i]);
-        // Of a coordinate B∇q is constant, and acts on its momentum alone.
-        let is_coordinate = |q: &usize| {
-            let b = states[0].1.noises[*q][i];
-            let near = |x: f64, y: f64| (x - y).abs() <= ROUNDING * b.abs();
-            let column = |at: &mc::Coefficients| at.noises[*q].clone().into_iter().enumerate();
-            let mut columns = states.iter().map(|(_, at)| column(at));
-            b != 0.0
-                && columns.all(|mut all| all.all(|(k, x)| near(x, if k == i { b } else { 0.0 })))
-        };
-        let Some(q) = (0..state.len()).find(is_coordinate) else {
+    let momenta: Vec<usize> = rates.iter().map(|(i, _)| *i).collect();
+    let noise = |((i, rate), found): (&(usize, &At<Text>), Option<Coordinate>)| {
+        let (state, name) = (&definition.state, &definition.state[*i]);
+        let Some(Coordinate { component, mass }) = found else {
             refuse!(
                 temperature,
                 "`{name}` is not the momentum of one coordinate, with a constant entry of B: a bath \
                  acts on it `through` functions of the state, which keeps Casimirs"
             );
         };
-        // dq = −b ∂H₀/∂p dt with ∂H₀/∂p = p/m.
-        let b = states[0].1.noises[q][i];
-        let slope_of = |at: &mc::Coefficients| -at.drift[q] / b;
-        let slope = |y: &[f64], k: usize, y_k: f64| {
-            let mut y = y.to_vec();
-            y[k] = y_k;
-            slope_of(&(of.coefficients)(0.0, &y))
+        let q = &state[component];
+        let what = match mass {
+            Ok(mass) if mass > 0.0 => {
+                let (rate, kt) = (&rate.0, &temperature.0);
+                return Ok(format!("sqrt(2*({rate})*({kt})*{mass:?})*{q}"));
+            }
+            Err(Some(k)) => format!("∂H0/∂{name} depends on `{}`", state[k]),
+            _ => format!("H0 has no term {name}^2/(2*m)"),
         };
-        let m = 1.0 / (slope(y0, i, y0[i] + 0.5) - slope(y0, i, y0[i] - 0.5));
-        let size = points.iter().fold(0.0, |size: f64, y| size.max(y[i].abs()));
-        let is_kinetic =
-            |(y, at): &(&Vec<f64>, _)| (m * slope_of(at) - y[i]).abs() <= ROUNDING * size;
-        if !(m > 0.0 && states.iter().all(is_kinetic)) {
-            let y = &points[points.len() - 1];
-            let first = slope(y, i, y[i]);
-            let differs =
-                |k: &usize| (slope(y, *k, points[1][*k]) - first).abs() > ROUNDING * first.abs();
-            let what = match (0..state.len()).filter(|k| *k != i).find(differs) {
-                Some(k) => format!("∂H0/∂{name} depends on `{}`", state[k]),
-                None => format!("H0 has no term {name}^2/(2*m)"),
-            };
-            refuse!(
-                temperature,
-                "{what}: friction of a bath takes a constant mass m. Let it act `through` a function \
-                 such as sqrt(2*m*kT)*{}, with any m",
-                state[q]
-            );
-        }
-        let (rate, kt, factor) = (&rate.0, &temperature.0, m / (b * b));
-        Ok(format!("sqrt(2*({rate})*({kt})*{factor:?})*{}", state[q]))
+        refuse!(
+            temperature,
+            "{what}: friction of a bath takes a constant mass m. Let it act `through` a function \
+             such as sqrt(2*m*kT)*{q}, with any m"
+        );
     };
-    rates.iter().map(noise).collect()
+    rates.iter().zip(system.coordinates(&momenta)).map(noise).collect()
 }
