@@ -182,7 +182,9 @@ pub fn inspect(
         bound,
     };
     report.orders = theory::orders(&report, settings.areas, finite_rates);
-    report.theorems = theory::theorems(&report, damped, uniform);
+    // The paper's equation has neither friction nor a bath.
+    let is_theirs = uniform && !description.has_bath;
+    report.theorems = theory::theorems(&report, damped, is_theirs);
     report.recommended = theory::recommendations(&report, system, settings, damped);
     Ok(report.with_mistakes())
 }

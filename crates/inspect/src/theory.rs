@@ -36,9 +36,10 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
     BuiltIn::ALL.into_iter().filter(is_sound).filter_map(expected).collect()
 }
 
-/// Statements of the paper for a system with these properties, with damping or without. With
-/// friction on single components the statements on paths do not apply.
-pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem> {
+/// Statements of the paper for a system with these properties, with damping or without. Where the
+/// equation is not `theirs`, with friction on single components or a bath, those on paths do not
+/// apply.
+pub fn theorems(report: &Inspection, damped: bool, theirs: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
     let (shape, proportional) = (&hamiltonians.shapes[0], hamiltonians.proportional.status);
@@ -70,7 +71,7 @@ pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem
     let strong = if report.noises > 1 { "strong-half" } else { "strong-one" };
     let theorem = |(statement, applies)| {
         let applies = match structure.sound() {
-            _ if !uniform && statement != "solvability" => No,
+            _ if !theirs && statement != "solvability" => No,
             Status::Fails => No,
             Status::Unknown if applies == Yes => Conditionally,
             _ => applies,

@@ -2,7 +2,7 @@
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{PathMask, Row, Rows, WIDTH, elementary::exp};
+use real::{PathMask, Row, Rows, WIDTH, elementary::exp, golden};
 use schemes::{About, Method, Step, Stepper};
 use systems::run_time::{Move, Program, System, Weights};
 
@@ -216,13 +216,18 @@ struct Walk<'a> {
     factors: Vec<(f64, f64)>,
 }
 
-/// The part of τ for which the flows of H₀ go in this step: a quarter in every 8th step, a
-/// sixteenth in every 64th, so that chains move also where H₀ is steeper than usual.
+/// Times of flows of H₀ differ by this part of τ at most, so that no motion resonates and rounding
+/// of turns has no direction.
+const SPREAD: f64 = 0.1;
+
+/// The part of τ for which the flows of H₀ go in this step: about one, a quarter in every 8th step,
+/// a sixteenth in every 64th, so that chains move also where H₀ is steeper than usual.
 fn share(number: u64) -> f64 {
+    let usual = 1.0 + SPREAD * (2.0 * golden(number as f64) - 1.0);
     match (number + 1) % 64 {
-        0 => 1.0 / 16.0,
-        n if n.is_multiple_of(8) => 0.25,
-        _ => 1.0,
+        0 => usual / 16.0,
+        n if n.is_multiple_of(8) => usual / 4.0,
+        _ => usual,
     }
 }
 
