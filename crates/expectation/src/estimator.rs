@@ -118,6 +118,8 @@ impl<'a> Estimator<'a> {
         let Setup { problem, scheme } = &candidate.setup;
         let settings = &request.expect.settings;
         let noisy = problem.noises > 0 || problem.initial.is_some();
+        let about = scheme.about();
+        let reads_more = about.reads_areas || about.reads_space_time;
         let halvings = MAX_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
@@ -130,7 +132,7 @@ impl<'a> Estimator<'a> {
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             drive: DriveResolution::new(problem),
             noisy,
-            sobol: problem.noises > 0 && !settings.random_points && !scheme.about().reads_areas,
+            sobol: problem.noises > 0 && !settings.random_points && !reads_more,
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,

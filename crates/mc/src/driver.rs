@@ -87,8 +87,8 @@ pub struct Driver<'a> {
     pub levels: usize,
     pub key: StreamKey,
     pub noise: NoiseSource<'a>,
-    /// Whether a scheme reads Lévy areas.
-    pub with_areas: bool,
+    /// Zero increments of all noises, with the zero areas that schemes read.
+    pub no_noise: StepNoise,
     pub runs: Vec<Run<'a>>,
     pub batches: Vec<Batch>,
     pub time_change: Option<&'a dyn TimeChange>,
@@ -159,11 +159,6 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 const PROGRESS_STEPS: u64 = 4096;
 
 impl Driver<'_> {
-    /// Zero increments of all noises, with zero Lévy areas if a scheme reads them.
-    pub fn no_noise(&self) -> StepNoise {
-        StepNoise::none(self.noises, self.with_areas)
-    }
-
     pub fn tau(&self, level: usize) -> f64 {
         self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
@@ -265,8 +260,8 @@ impl<'a> Marcher<'a> {
             first_path,
             live: PathMask::first(paths),
             next_noise: (driver.noise)(first_path),
-            ladder: DyadicLadder::new(driver.levels, &driver.no_noise()),
-            truncated: driver.no_noise(),
+            ladder: DyadicLadder::new(driver.levels, &driver.no_noise),
+            truncated: driver.no_noise.clone(),
             states: driver.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
@@ -341,7 +336,7 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
-        let StepNoise { increments, areas, .. } = match one_before {
+        let StepNoise { increments, areas, space_time, .. } = match one_before {
             true => self.ladder.first_half(level + 1),
             false => self.ladder.whole(level),
         };
@@ -359,6 +354,7 @@ impl<'a> Marcher<'a> {
         if !areas.is_empty() {
             clip(areas, batch.bounds.area, &mut self.truncated.areas);
         }
+        self.truncated.space_time.copy_from_slice(space_time);
     }
 
     /// Takes one step of the runs of a batch, with the truncated noise of the last step of its
@@ -366,7 +362,7 @@ impl<'a> Marcher<'a> {
     /// copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
-        let is_finest = batch.level == 0 && !batch.swapped && !self.driver.with_areas;
+        let is_finest = batch.level == 0 && !batch.swapped && self.driver.no_noise.areas.is_empty();
         let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
         if !as_drawn {
             self.truncate(batch, one_before, tally);
@@ -434,7 +430,7 @@ fn differing(a: &[Row], b: &[Row], live: PathMask, mixed: &mut Vec<u64>) -> (Pat
 }
 
 /// Writes the noise of the next finest step τ of a block: increments, row m of variance τ on each
-/// of 32 paths, and Lévy areas if there are rows for them, which are zero otherwise. Paths with
+/// of 32 paths, and areas if there are rows for them, which are zero otherwise. Paths with
 /// numbers that are not finite fail.
 pub type NextNoise = Box<dyn FnMut(&mut StepNoise) + Send>;
 
@@ -443,7 +439,8 @@ pub type NoiseSource<'a> = Box<dyn Fn(u64) -> NextNoise + Sync + 'a>;
 
 /// The noise of a [`Ladder`](crate::Ladder) on finest steps τ: increments drawn from the streams of
 /// a key; with `area_noises` noises also their Lévy areas, whose error is at most τ^{3/2}, as
-/// strong order 1 requires.
+/// strong order 1 requires. Space-time areas are drawn where there are rows for them, of a stream
+/// of their own.
 ///
 /// # Errors
 /// [`LadderError`] if areas would take too many terms.
@@ -457,10 +454,16 @@ pub fn drawn(
     let areas = areas.transpose()?;
     Ok(Box::new(move |first_path| {
         let mut increments = WienerRows::new(key, first_path);
+        let mut space_time = None;
         let mut areas =
             areas.map(|(noises, terms)| AreaSampler::new(key, first_path, noises, terms));
         Box::new(move |noise| {
             increments.increments(tau.sqrt(), &mut noise.increments);
+            if !noise.space_time.is_empty() {
+                let key = key.beside(Purpose::SpaceTimeAreas);
+                let of_block = space_time.get_or_insert_with(|| WienerRows::new(key, first_path));
+                of_block.increments((tau / 12.0).sqrt(), &mut noise.space_time);
+            }
             if let Some(areas) = &mut areas {
                 areas.areas(tau, &noise.increments, &mut noise.areas);
             }

@@ -5,9 +5,9 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use noise::{Purpose, StreamKey, Truncation};
+use noise::{Purpose, StepNoise, StreamKey, Truncation};
 use real::{PathMask, Row, WIDTH, exactly, path};
-use schemes::{StepError, Stepper};
+use schemes::{About, StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
@@ -188,7 +188,10 @@ impl<'a> Ladder<'a> {
         if !(finest > 0.0 && finest.is_finite()) {
             return Err(StepError { tau: finest }.into());
         }
-        let with_areas = runs.iter().any(|run| run.scheme.about().reads_areas);
+        let reads = |of: fn(&About) -> bool| runs.iter().any(|run| of(&run.scheme.about()));
+        let with_areas = reads(|about| about.reads_areas);
+        let none = StepNoise::none(problem.noises, with_areas);
+        let with_space_time = reads(|about| about.reads_space_time);
         let same = problem.clone();
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
@@ -201,7 +204,7 @@ impl<'a> Ladder<'a> {
             levels,
             key,
             noise: drawn(key, finest, with_areas.then_some(problem.noises))?,
-            with_areas,
+            no_noise: if with_space_time { none.with_space_time() } else { none },
             runs: Vec::new(),
             batches: Vec::new(),
             time_change: None,
@@ -271,6 +274,7 @@ impl<'a> Ladder<'a> {
                 noise.increments.iter_mut().for_each(|row| scale(row, factors));
                 let squares = factors.map(|factor| factor * factor);
                 noise.areas.iter_mut().for_each(|row| scale(row, squares));
+                noise.space_time.iter_mut().for_each(|row| scale(row, factors));
             })
         })
     }

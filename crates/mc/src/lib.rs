@@ -78,7 +78,6 @@ pub mod parts;
 mod run_time;
 mod setup;
 mod simulation;
-mod tangents;
 mod tree;
 
 pub use along::{Along, Gradient, OfStates, Passage};
@@ -95,5 +94,4 @@ pub use observable::{Observable, Observe, StateFunction, add_rows, value_at};
 pub use parallel::in_parallel;
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Role, Simulation, TimeSeries, quoted, write_csv};
-pub use tangents::Tangents;
 pub use tree::Node;

@@ -30,6 +30,10 @@ pub struct StepNoise {
     pub increments: Rows,
     /// M² rows of Lévy areas; none if no areas are drawn.
     pub areas: Rows,
+    /// M rows of space-time areas H_m, in √time; none if none are drawn. With τ(½ΔW_m + H_m) =
+    /// ∫W_m ds over the step, W_m = 0 at its beginning, H_m is independent of ΔW_m, of variance
+    /// τ/12.
+    pub space_time: Rows,
     /// Bits of the parts that clipping took from the increments of each path, without a meaning of
     /// their own; zero for a path with all of its increments, and empty where nothing was clipped.
     pub clipped: Vec<u64>,
@@ -50,6 +54,12 @@ impl StepNoise {
     /// Zero increments of `noises` Wiener processes, with zero Lévy areas if `areas` is true.
     pub fn none(noises: usize, areas: bool) -> Self {
         if areas { Self::with_areas(noises) } else { Self::zero(noises) }
+    }
+
+    /// The same with rows of zero space-time areas.
+    #[must_use]
+    pub fn with_space_time(self) -> Self {
+        Self { space_time: Rows::zero(self.increments.len()), ..self }
     }
 
     /// The noise of path `p`.
@@ -74,21 +84,30 @@ impl StepNoise {
     pub fn copy_from(&mut self, other: &Self) {
         self.increments.copy_from_slice(&other.increments);
         self.areas.copy_from_slice(&other.areas);
+        self.space_time.copy_from_slice(&other.space_time);
     }
 
     /// Gives path `p` the noise of path `q` of `other`, which has areas if this noise has.
     pub fn copy_path(&mut self, p: usize, other: &Self, q: usize) {
         let rows = self.increments.iter_mut().zip(other.increments.iter());
         rows.chain(self.areas.iter_mut().zip(other.areas.iter()))
+            .chain(self.space_time.iter_mut().zip(other.space_time.iter()))
             .for_each(|(row, other)| row[p] = other[q]);
     }
 
-    /// Makes this the noise of its step and the `next` one together: sums of increments, and areas
-    /// by Chen's relation, if this noise has areas.
+    /// Makes this the noise of its step and the `next` one, of the same size, together: sums of
+    /// increments, areas by Chen's relation, if this noise has areas, and space-time areas
+    /// ½(H + H′) + ¼(ΔW − ΔW′).
     #[inline]
     pub fn join(&mut self, next: &Self) {
         if !self.areas.is_empty() {
             join(&mut self.areas, &self.increments, &next.areas, &next.increments);
+        }
+        for (m, h) in self.space_time.iter_mut().enumerate() {
+            for p in 0..WIDTH {
+                let difference = self.increments[m][p] - next.increments[m][p];
+                h[p] = 0.5 * (h[p] + next.space_time[m][p]) + 0.25 * difference;
+            }
         }
         let next = next.increments.as_flattened();
         self.increments.as_flattened_mut().iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
@@ -98,7 +117,12 @@ impl StepNoise {
 /// Increments, a row for each noise, without areas.
 impl From<Rows> for StepNoise {
     fn from(increments: Rows) -> Self {
-        Self { increments, areas: Rows::default(), clipped: Vec::new() }
+        Self {
+            increments,
+            areas: Rows::default(),
+            space_time: Rows::default(),
+            clipped: Vec::new(),
+        }
     }
 }
 

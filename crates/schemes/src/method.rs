@@ -13,6 +13,8 @@ pub struct About {
     pub id: &'static str,
     /// Whether it reads the Lévy areas of a step. If so, the driver draws them.
     pub reads_areas: bool,
+    /// Whether it reads the space-time areas of a step. If so, the driver draws them.
+    pub reads_space_time: bool,
     /// Whether the driver truncates increments and areas for it.
     pub clips_increments: bool,
     /// Bytes of stack that a step needs, if not few.
@@ -22,7 +24,7 @@ pub struct About {
 impl About {
     /// A method that reads no areas, takes increments of any size, and needs little stack.
     pub const fn new(id: &'static str) -> Self {
-        Self { id, reads_areas: false, clips_increments: false, stack: 0 }
+        Self { id, reads_areas: false, reads_space_time: false, clips_increments: false, stack: 0 }
     }
 }
 
@@ -36,9 +38,11 @@ pub trait Method: Send + Sync {
     /// Identifier, and what the method needs of a driver.
     fn about(&self) -> About;
 
-    /// Zero noise of a step, with areas if the method reads them.
+    /// Zero noise of a step, with the areas that the method reads.
     fn no_noise(&self, noises: usize) -> StepNoise {
-        StepNoise::none(noises, self.about().reads_areas)
+        let About { reads_areas, reads_space_time, .. } = self.about();
+        let none = StepNoise::none(noises, reads_areas);
+        if reads_space_time { none.with_space_time() } else { none }
     }
 
     /// 32 paths in the states `y`; row i is component i. A block of paths has one for each run,

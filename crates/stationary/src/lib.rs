@@ -68,6 +68,7 @@ mod growth;
 mod metropolis;
 mod report;
 mod rules;
+mod tangents;
 mod wells;
 
 use std::{ops::Range, sync::Arc};
@@ -77,12 +78,13 @@ use real::{Row, WIDTH};
 
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use expectation::{ExpectSettings, Told};
-use mc::{Checkpoint, Measured, Observe, Problem, RunError, Setup, Tangents, demand, parts::Stop};
+use mc::{Checkpoint, Measured, Observe, Problem, RunError, Setup, demand, parts::Stop};
 use rules::{HEAT, MAX_REVIVALS};
 use wells::Watched;
 
 pub use metropolis::Metropolis;
 pub use report::{Averages, StationaryMean};
+pub use tangents::Tangents;
 
 /// The quantities that are averaged along chains.
 #[derive(Clone, Copy)]

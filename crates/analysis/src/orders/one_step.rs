@@ -8,7 +8,7 @@
 //! steps with stronger noise find such a term where the noise is weak.
 
 use mc::Setup;
-use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
+use noise::{AreaSampler, Purpose, StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH, elementary::log2};
 use schemes::{Step, Stepper};
@@ -123,8 +123,8 @@ fn differences(
     let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
-        let (noises, areas) = (setup.problem.noises, setup.scheme.about().reads_areas);
-        let draw = |&factor: &f64| two_steps(noises, areas, key, first_path, 0.5 * tau, factor);
+        let none = setup.scheme.no_noise(setup.problem.noises);
+        let draw = |&factor: &f64| two_steps(&none, key, first_path, 0.5 * tau, factor);
         let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
@@ -144,26 +144,30 @@ fn differences(
     sums.into_iter().map(|(square, size, count)| (square / count, size / count)).collect()
 }
 
-/// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
-/// one step and two half steps share them and only their law is that of the series.
+/// The noise of two steps τ of 32 paths, times a factor, with the areas that `none` has. Lévy areas
+/// have one term of their series, since one step and two half steps share them and only their law
+/// is that of the series.
 pub fn two_steps(
-    noises: usize,
-    areas: bool,
+    none: &StepNoise,
     key: StreamKey,
     first_path: u64,
     tau: f64,
     factor: f64,
 ) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
-    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, 1));
+    let noises = none.increments.len();
+    let areas = (!none.areas.is_empty()).then(|| AreaSampler::new(key, first_path, noises, 1));
+    let (mut areas, beside) = (areas, key.beside(Purpose::SpaceTimeAreas));
+    let mut space_time = WienerRows::new(beside, first_path);
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = StepNoise::none(noises, areas.is_some());
+        let mut noise = none.clone();
         wiener.increments(time.sqrt(), &mut noise.increments);
         if let Some(areas) = &mut areas {
             areas.areas(time, &noise.increments, &mut noise.areas);
         }
+        space_time.increments((time / 12.0).sqrt(), &mut noise.space_time);
         noise
     })
 }

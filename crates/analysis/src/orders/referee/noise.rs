@@ -1,13 +1,12 @@
 //! The noise that a solver gets.
 //!
 //! All of it is made of finest steps, those of the reference. Space-time areas H =
-//! ∫(W − t ΔW/τ)dt/τ are drawn there, N(0, τ/12), independent of the Lévy areas given W, and joined
-//! exactly: H = ½(H₁ + H₂) + ¼(ΔW₁ − ΔW₂).
+//! ∫(W − t ΔW/τ)dt/τ are independent of the Lévy areas given W.
 
 use mc::{LadderError, NextNoise, drawn};
-use noise::{DyadicLadder, Purpose, StepNoise, WienerRows};
+use noise::{DyadicLadder, Purpose, StepNoise};
 use rayon::prelude::*;
-use real::{Row, WIDTH};
+use real::WIDTH;
 
 use super::{super::one_step::two_steps, Referee};
 
@@ -30,11 +29,11 @@ pub struct LevelNoise {
 
 impl LevelNoise {
     /// Adds a step of 32 paths.
-    fn push(&mut self, noise: &StepNoise, space_time: &[Row]) {
+    fn push(&mut self, noise: &StepNoise) {
         let noises = noise.increments.len();
         for p in 0..WIDTH {
             self.increments.extend(noise.increments.iter().map(|row| row[p]));
-            self.space_time.extend(space_time.iter().map(|row| row[p]));
+            self.space_time.extend(noise.space_time.iter().map(|row| row[p]));
             for (i, j) in (0..noises).flat_map(|i| (0..noises).map(move |j| (i, j))) {
                 let row = noise.areas.get(i.min(j) * noises + i.max(j));
                 let sign = f64::from(u8::from(i < j)) - f64::from(u8::from(i > j));
@@ -62,18 +61,10 @@ impl LevelNoise {
     }
 }
 
-/// The space-time area of two steps on this noise.
-fn joined_space_time([a, b]: [&[Row]; 2], [one, two]: [&StepNoise; 2]) -> Vec<Row> {
-    let of = |m: usize, p: usize| {
-        0.5 * (a[m][p] + b[m][p]) + 0.25 * (one.increments[m][p] - two.increments[m][p])
-    };
-    (0..a.len()).map(|m| std::array::from_fn(|p| of(m, p))).collect()
-}
-
 impl Referee<'_> {
-    /// Space-time areas of the 32 paths from path number `first` on.
-    fn space_time(&self, first: u64) -> WienerRows {
-        WienerRows::new(self.sizes.key.beside(Purpose::SpaceTimeAreas), first)
+    /// Zero noise with all that a solver gets.
+    fn none(&self) -> StepNoise {
+        StepNoise::none(self.noises(), self.noises() > 1).with_space_time()
     }
 
     /// Noise of `paths` paths from path number `first` on, both multiples of 32, at every step size
@@ -88,7 +79,7 @@ impl Referee<'_> {
         let source = drawn(sizes.key.paths_of(Purpose::Paths)?, tau, areas)?;
         let blocks = (0..paths / WIDTH).into_par_iter().map(|block| {
             let first = first + (block * WIDTH) as u64;
-            self.block(first, tau, source(first))
+            self.block(source(first))
         });
         let blocks: Vec<_> = blocks.collect();
         let of_level = |l: usize| {
@@ -99,24 +90,15 @@ impl Referee<'_> {
     }
 
     /// The noise of 32 paths.
-    fn block(&self, first: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
-        let (sizes, mut others) = (&self.sizes, self.space_time(first));
+    fn block(&self, mut next: NextNoise) -> Vec<LevelNoise> {
+        let sizes = &self.sizes;
         let (top, finest) = (sizes.level(0), sizes.refinement as usize);
-        let mut ladder = DyadicLadder::new(top, &StepNoise::none(self.noises(), self.noises() > 1));
-        let zero = vec![[0.0; WIDTH]; self.noises()];
-        // Of the whole step of each level, and of its first half.
-        let (mut whole, mut half) = (vec![zero.clone(); top + 1], vec![zero; top + 2]);
+        let mut ladder = DyadicLadder::new(top, &self.none());
         let mut found = vec![LevelNoise::default(); sizes.levels];
         for _ in 0..sizes.reference_steps() {
             let complete = ladder.push(|noise| next(noise));
-            others.increments((tau / 12.0).sqrt(), &mut whole[0]);
-            for level in 1..=complete {
-                let noise = [ladder.first_half(level), ladder.whole(level - 1)];
-                whole[level] = joined_space_time([&half[level], &whole[level - 1]], noise);
-            }
-            half[complete + 1].clone_from(&whole[complete]);
             for level in finest..=complete {
-                found[top - level].push(ladder.whole(level), &whole[level]);
+                found[top - level].push(ladder.whole(level));
             }
         }
         found
@@ -125,21 +107,14 @@ impl Referee<'_> {
     /// The noise of one step and of two half steps from each of [`VISITS`] states, and from these
     /// again with stronger noise, by [strength, state].
     pub fn single_noise(&self, tau: f64) -> [LevelNoise; 2] {
-        let (noises, key) = (self.noises(), self.sizes.key);
         let block = |strength: f64, first: u64| {
-            let [mut one, two] = two_steps(noises, noises > 1, key, first, 0.5 * tau, strength);
-            let mut others = self.space_time(first);
-            let [a, b] = [(); 2].map(|()| {
-                let mut areas = vec![[0.0; WIDTH]; noises];
-                others.increments((tau / 24.0).sqrt() * strength, &mut areas);
-                areas
-            });
+            let [mut one, two] =
+                two_steps(&self.none(), self.sizes.key, first, 0.5 * tau, strength);
             let [mut whole, mut halves] = [(); 2].map(|()| LevelNoise::default());
-            halves.push(&one, &a);
-            halves.push(&two, &b);
-            let space_time = joined_space_time([&a, &b], [&one, &two]);
+            halves.push(&one);
+            halves.push(&two);
             one.join(&two);
-            whole.push(&one, &space_time);
+            whole.push(&one);
             [whole, halves]
         };
         let firsts = || (0..VISITS as u64).step_by(WIDTH);
