@@ -165,6 +165,7 @@ pub fn inspect(
         },
         dimension: description.dimension,
         noises: description.noises,
+        is_langevin: description.is_langevin,
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,

@@ -27,12 +27,17 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
             _ if report.hamiltonians.silent => ((without_noise, Status::Holds), without_noise),
             StrongOrder::Areas => ((1.0, Status::Holds), weak),
             StrongOrder::Commuting => (commuting, weak),
+            StrongOrder::SpaceTime => {
+                let order = if report.is_langevin { 2.0 } else { 1.5 };
+                ((order, Status::Holds), weak)
+            }
             StrongOrder::Additive => ((0.5, Status::Unknown), weak),
         };
         let expected = ExpectedOrder { scheme: id, strong, weak, known };
         ((areas || !scheme.is_for_areas()) && (exact_damping || finite_rates)).then_some(expected)
     };
-    let is_sound = |scheme: &BuiltIn| *scheme != BuiltIn::Baoab || noise.commute.holds();
+    let is_for_commuting = |scheme: &BuiltIn| [BuiltIn::Baoab, BuiltIn::SplitH].contains(scheme);
+    let is_sound = |scheme: &BuiltIn| !is_for_commuting(scheme) || noise.commute.holds();
     BuiltIn::ALL.into_iter().filter(is_sound).filter_map(expected).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
 use BuiltIn::{
-    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split,
+    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, SplitH,
 };
 use systems::{Flows, PoissonSystem, run_time::System};
 
@@ -20,6 +20,8 @@ pub enum BuiltIn {
     SexpLiLevy,
     /// [`Split`](crate::Split).
     Split,
+    /// [`SplitH`](crate::SplitH), without friction on single components.
+    SplitH,
     /// [`Nv`](crate::Nv).
     Nv,
     /// [`Baoab`](crate::Baoab), without friction on single components.
@@ -53,13 +55,15 @@ pub struct Properties {
     pub long_times: &'static str,
 }
 
-/// Condition for strong order one; otherwise the strong order is ½.
+/// Condition for strong order one or more; otherwise the strong order is ½.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrongOrder {
     /// The noises commute.
     Commuting,
     /// No condition: the scheme reads Lévy areas.
     Areas,
+    /// The noises commute: the order is 1.5, and 2 in Langevin dynamics.
+    SpaceTime,
     /// The terms ½ΔWₘΔW_l fₘ′f_l are zero.
     Additive,
 }
@@ -88,8 +92,19 @@ pub enum Energy {
 
 impl BuiltIn {
     /// All built-in schemes.
-    pub const ALL: [Self; 10] =
-        [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Baoab, Midpoint, Heun, EulerMaruyama];
+    pub const ALL: [Self; 11] = [
+        Sexp,
+        SexpLevy,
+        SexpLi,
+        SexpLiLevy,
+        Split,
+        SplitH,
+        Nv,
+        Baoab,
+        Midpoint,
+        Heun,
+        EulerMaruyama,
+    ];
 
     /// The scheme of this name.
     #[must_use]
@@ -144,6 +159,9 @@ impl BuiltIn {
             SexpLi => linear,
             SexpLiLevy => Properties { id: "sexp-li-levy", strong: with_areas, ..linear },
             Split => flows,
+            SplitH => {
+                Properties { id: "split-h", strong: StrongOrder::SpaceTime, weak: 2.0, ..flows }
+            }
             Nv => Properties { id: "nv", weak: 2.0, ..flows },
             Baoab => Properties { id: "baoab", weak: 2.0, ..flows },
             Midpoint => Properties {
@@ -208,7 +226,7 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            Split | Nv | Baoab => {
+            Split | SplitH | Nv | Baoab => {
                 return Err(SchemeError::parts(
                     self.id(),
                     system.name(),
@@ -260,7 +278,12 @@ impl BuiltIn {
                 run_time::Scheme::stepper(&*baoab, system)?;
                 baoab
             }
-            (Split | Nv | Baoab, parts) => {
+            (SplitH, Ok(_)) => {
+                let split = Box::new(crate::SplitH::of(system, []));
+                run_time::Scheme::stepper(&*split, system)?;
+                split
+            }
+            (Split | SplitH | Nv | Baoab, parts) => {
                 let reason = parts
                     .as_ref()
                     .err()

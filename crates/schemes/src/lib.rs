@@ -37,6 +37,7 @@
 //! | [`Split`] | explicit, exponential | 1 / ½ |
 //! | [`Nv`] | explicit, exponential, weak order 2 | 1 / ½ |
 //! | [`Baoab`] | explicit, exponential, weak order 2 | 1 / 1, of noises that commute |
+//! | [`SplitH`] | explicit, exponential, weak order 2 | 1.5 or 2, of noises that commute |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
@@ -62,6 +63,7 @@ mod sexp;
 mod sexp_levy;
 mod sexp_li;
 mod split;
+mod split_h;
 mod step;
 mod with_solver;
 
@@ -83,5 +85,6 @@ pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;
 pub use sexp_li::SexpLi;
 pub use split::Split;
+pub use split_h::SplitH;
 pub use step::{Step, StepError};
 pub use with_solver::WithSolver;

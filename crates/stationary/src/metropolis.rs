@@ -131,7 +131,7 @@ impl<'a> Metropolis<'a> {
         let last = self.flows.description().parts.as_ref().map_or(0, |parts| parts.number - 1);
         (0..=last).chain((0..last).rev()).map(move |part| {
             let noise = if part < last { 0.5 * share } else { share };
-            Move::Flow { part, drift: 0.0, noise, only: Some(only) }
+            Move::Flow { part, drift: 0.0, noise, area: 0.0, only: Some(only) }
         })
     }
 

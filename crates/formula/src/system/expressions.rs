@@ -450,6 +450,34 @@ impl Expressions {
         })
     }
 
+    /// Whether the fields of noises are constant, and the second derivatives of f₀ along them zero.
+    pub fn is_langevin(&mut self, y0: &[f64]) -> bool {
+        if !(1..=MAX_NOISES).contains(&self.noises) {
+            return false;
+        }
+        let fields: Vec<Sparse> = self.noise_fields().into_iter().map(|(_, field)| field).collect();
+        let all = fields.iter().flat_map(Sparse::values);
+        if !all.into_iter().all(|&x| self.graph.as_constant(x).is_some()) {
+            return false;
+        }
+        let (_, drift) = self.field_of(0);
+        let (size, mut bent) = (self.graph.size(), Vec::new());
+        for f in &fields {
+            let along = self.vector_along(&drift, f);
+            for g in &fields {
+                bent.extend(self.vector_along(&along, g).into_values());
+            }
+            if self.graph.size() - size > MAX_EXPRESSIONS {
+                return false;
+            }
+        }
+        let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
+        times.iter().all(|&t| {
+            let finite = |y: &[f64]| self.numbers(&bent, y, t).iter().all(|x| x.is_finite());
+            vanish(y0, finite, |y| self.numbers(&bent, y, t))
+        })
+    }
+
     /// Values of functions of y at a time, in numbers of any type.
     fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
         self.graph.values(roots, |k| y.get(k).copied().unwrap_or(R::constant(t)))

@@ -75,36 +75,48 @@ impl SchemeTape {
 
     fn composition(system: &Expressions, moves: &[Move]) -> Self {
         let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
-        // y, dt, two factors, t and dw.
+        let factor_of = |one: &Move| match *one {
+            Move::Scale(factor) | Move::ScaleOne { factor, .. } => factor + 1,
+            Move::Flow { .. } => 2,
+        };
+        let count = moves.iter().map(factor_of).max().unwrap_or(0);
+        let reads = |one: &Move| matches!(one, Move::Flow { area, .. } if *area != 0.0);
+        let reads_space_time = moves.iter().any(reads);
+        // y, dt, factors, t, dw and space-time areas.
+        let (time, noise) = (d + 1 + count, d + 2 + count);
         let weights: Vec<Id> =
-            [d].into_iter().chain(d + 4..d + 4 + m).map(|k| graph.input(k)).collect();
-        let (factors, t) = ([1, 2].map(|k| graph.input(d + k)), graph.input(d + 3));
+            [d].into_iter().chain(noise..noise + m).map(|k| graph.input(k)).collect();
+        let areas: Vec<Id> = (noise + m..noise + 2 * m).map(|k| graph.input(k)).collect();
+        let factors: Vec<Id> = (0..count).map(|k| graph.input(d + 1 + k)).collect();
+        let t = graph.input(time);
         let mut y: Vec<Id> = (0..d).map(|k| graph.input(k)).collect();
         for one in moves {
             match *one {
                 Move::Scale(k) => y.iter_mut().for_each(|y| *y = graph.mul(*y, factors[k])),
-                Move::Flow { part, drift, noise, only } => {
-                    let share = |m: usize| match (m, only) {
-                        (0, _) => drift,
-                        (m, Some(only)) if m != only + 1 => 0.0,
-                        _ => noise,
-                    };
-                    let shares = (0..).map(share);
-                    let weights = weights
-                        .iter()
-                        .zip(shares)
-                        .map(|(&weight, share)| graph.scale(weight, share));
-                    let weights: Vec<Id> = weights.collect();
-                    y = system.flow(part, &mut graph, &y, &weights, t);
+                Move::ScaleOne { component, factor } => {
+                    y[component] = graph.mul(y[component], factors[factor]);
+                }
+                Move::Flow { part, drift, noise, area, only } => {
+                    let moves = |m: usize| only.is_none_or(|only| m == only);
+                    let mut shares = vec![graph.scale(weights[0], drift)];
+                    for k in 0..m {
+                        let share = if moves(k) { [noise, area] } else { [0.0; 2] };
+                        let increment = graph.scale(weights[k + 1], share[0]);
+                        let area = graph.scale(areas[k], share[1]);
+                        shares.push(graph.add(increment, area));
+                    }
+                    y = system.flow(part, &mut graph, &y, &shares, t);
                 }
             }
         }
         let reads_time = system.depend_on_time();
-        let uniform = d..d + 3 + usize::from(reads_time);
+        let uniform = d..time + usize::from(reads_time);
         let reads_noise = m > 0;
-        let groups: Vec<_> = once(0..d).chain(reads_noise.then_some(d + 4..d + 4 + m)).collect();
+        let rows = if reads_space_time { 2 * m } else { m };
+        let groups: Vec<_> = once(0..d).chain(reads_noise.then_some(noise..noise + rows)).collect();
         let tape = Tape::with_numbers(&graph, &y, &groups, uniform);
-        Self { tape, multiples: vec![0, 1], reads_noise, reads_areas: false, reads_time }
+        let multiples = (0..count).collect();
+        Self { tape, multiples, reads_noise, reads_areas: false, reads_time }
     }
 
     fn formula(

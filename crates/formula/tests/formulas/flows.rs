@@ -141,7 +141,7 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
 
 /// The flow of a part.
 fn flow(system: &FormulaSystem, part: usize, y: &[Row], dt: f64, dw: &[Row]) -> Vec<Row> {
-    let moves = [Move::Flow { part, drift: 1.0, noise: 1.0, only: None }];
+    let moves = [Move::Flow { part, drift: 1.0, noise: 1.0, area: 0.0, only: None }];
     let mut out = vec![[0.0; WIDTH]; y.len()];
     let h = Weights { t: 0.3, dt, dw, ..Weights::NONE };
     system.compose(&moves).unwrap().run(&[y], &[1.0, 1.0], h, &mut out);

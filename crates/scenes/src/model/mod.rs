@@ -14,7 +14,7 @@ use casimir::{
     formula::{FormulaSystem, Names},
     inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, span},
     mc::{Friction, Problem, Setup},
-    schemes::{Baoab, BuiltIn, Method, SchemeError},
+    schemes::{Baoab, BuiltIn, Method, SchemeError, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
     systems::run_time::{self, System},
 };
@@ -131,10 +131,18 @@ impl Model for AtRunTime {
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
-        if scheme == BuiltIn::Baoab && !self.friction.is_empty() {
-            let friction = self.friction.iter().cloned();
-            let own = friction.map(|Friction { damping, components }| (damping, components));
-            return Ok(Setup::at_run_time(&self.problem, Box::new(Baoab::new(own)))?.scheme);
+        // These have friction inside.
+        let friction = self.friction.iter().cloned();
+        let own = friction.map(|Friction { damping, components }| (damping, components));
+        let system = self.problem.system();
+        let inside: Option<Box<dyn run_time_schemes::Scheme>> = match scheme {
+            _ if self.friction.is_empty() => None,
+            BuiltIn::Baoab => Some(Box::new(Baoab::new(own))),
+            BuiltIn::SplitH => Some(Box::new(SplitH::of(system, own))),
+            _ => None,
+        };
+        if let Some(inside) = inside {
+            return Ok(Setup::at_run_time(&self.problem, inside)?.scheme);
         }
         let scheme = scheme.at_run_time(self.problem.system())?;
         Ok(Friction::around(Setup::at_run_time(&self.problem, scheme)?.scheme, &self.friction))

@@ -12,7 +12,7 @@ use systems::{
 };
 
 use super::{Scheme, SchemeError};
-use crate::{About, Baoab, Nv, Sexp, Split, Step, Stepper, Sweep};
+use crate::{About, Baoab, Nv, Sexp, Split, SplitH, Step, Stepper, Sweep};
 
 /// The parts of a system.
 fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
@@ -29,7 +29,7 @@ fn symmetric(
     let last = parts - 1;
     (0..=last).chain((0..last).rev()).map(move |part| {
         let share = if part < last { 0.5 } else { 1.0 };
-        Move::Flow { part, drift: share * drift, noise: share * noise, only }
+        Move::Flow { part, drift: share * drift, noise: share * noise, area: 0.0, only }
     })
 }
 
@@ -42,7 +42,7 @@ impl Scheme for Split {
         let number = parts("split", system)?.number;
         let flows = symmetric(number, [1.0, 1.0], None);
         let moves = [Move::Scale(0)].into_iter().chain(flows).chain([Move::Scale(1)]);
-        Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()])?))
+        Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()], &[])?))
     }
 }
 
@@ -59,14 +59,23 @@ fn parts_by_noise<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts,
     }
 }
 
-/// The flow of noise m.
-fn noise(parts: &Parts, m: usize) -> Vec<Move> {
+/// The flow of noise m for shares of its increment and its space-time area.
+fn noise(parts: &Parts, m: usize, [increment, area]: [f64; 2]) -> Vec<Move> {
+    let flow = |part: usize, share: f64| Move::Flow {
+        part,
+        drift: 0.0,
+        noise: share * increment,
+        area: share * area,
+        only: Some(m),
+    };
+    let triple = |&share: &f64| {
+        let last = parts.number - 1;
+        let half = move |part| if part < last { 0.5 * share } else { share };
+        (0..=last).chain((0..last).rev()).map(move |part| flow(part, half(part)))
+    };
     match parts.of_noise[m] {
-        Some(part) => vec![Move::Flow { part, drift: 0.0, noise: 1.0, only: Some(m) }],
-        None => TRIPLE_JUMP
-            .iter()
-            .flat_map(|&share| symmetric(parts.number, [0.0, share], Some(m)))
-            .collect(),
+        Some(part) => vec![flow(part, 1.0)],
+        None => TRIPLE_JUMP.iter().flat_map(triple).collect(),
     }
 }
 
@@ -80,7 +89,7 @@ impl Scheme for Nv {
         let noises = system.description().noises;
         let half = || symmetric(parts.number, [0.5, 0.0], None);
         let moves = |order: Vec<usize>| -> Vec<Move> {
-            let noises = order.into_iter().flat_map(|m| noise(parts, m));
+            let noises = order.into_iter().flat_map(|m| noise(parts, m, [1.0, 0.0]));
             let inner = [Move::Scale(0)].into_iter().chain(noises).chain([Move::Scale(1)]);
             half().chain(inner).chain(half()).collect()
         };
@@ -93,7 +102,46 @@ impl Scheme for Nv {
                 Sweep::Forward => vec![forward],
                 Sweep::Backward => vec![backward],
             },
+            &[],
         )?))
+    }
+}
+
+/// Friction on components, with its rates.
+pub type Frictions = [(Arc<dyn Damping>, Vec<usize>)];
+
+/// All damping of a half of the step, 0 or 1.
+fn damp(friction: &Frictions, half: usize) -> impl Iterator<Item = Move> {
+    let of = |(k, (_, components)): (usize, &(Arc<dyn Damping>, Vec<usize>))| {
+        let factor = 2 + 2 * k + half;
+        components.iter().map(|&component| Move::ScaleOne { component, factor }).collect::<Vec<_>>()
+    };
+    let friction: Vec<Move> = friction.iter().enumerate().flat_map(of).collect();
+    [Move::Scale(half)].into_iter().chain(friction)
+}
+
+/// The flows of H₀ for a share of the step, in their order or from the last to the first.
+fn drift(parts: &Parts, share: f64, backward: bool) -> impl Iterator<Item = Move> {
+    let number = parts.number;
+    (0..number).map(move |k| Move::Flow {
+        part: if backward { number - 1 - k } else { k },
+        drift: share,
+        noise: 0.0,
+        area: 0.0,
+        only: None,
+    })
+}
+
+/// The parts of a system whose noises commute.
+fn commuting<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
+    let parts = parts_by_noise(scheme, system)?;
+    let Description { name, noises_commute, .. } = system.description();
+    match noises_commute {
+        true => Ok(parts),
+        false => {
+            let reason = "its noises do not commute; take nv";
+            Err(SchemeError::parts(scheme, name, reason))
+        }
     }
 }
 
@@ -103,25 +151,52 @@ impl Scheme for Baoab {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        let parts = parts_by_noise("baoab", system)?;
-        let description = system.description();
-        if !description.noises_commute {
-            let reason = "its noises do not commute; take nv";
-            return Err(SchemeError::parts("baoab", &description.name, reason));
-        }
-        let half = |part| Move::Flow { part, drift: 0.5, noise: 0.0, only: None };
-        let before = (0..parts.number).rev().map(half).collect();
-        let after = (0..parts.number).map(half).collect();
-        let middle = (0..description.noises).flat_map(|m| noise(parts, m)).collect();
-        let stepper = |moves| CompositionStepper::new(system, vec![moves]);
-        let own = (0..description.noises).map(|m| self.friction_of(system, m));
-        Ok(Box::new(BaoabStepper {
-            friction: &self.friction,
-            own: own.collect(),
-            noise: StepNoise::zero(description.layout.noise_rows),
-            halves: vec![[1.0; 2]; self.friction.len()],
-            pieces: [stepper(before)?, stepper(middle)?, stepper(after)?],
-        }))
+        let parts = commuting("baoab", system)?;
+        let noises = system.description().noises;
+        let kicks = (0..noises).flat_map(|m| noise(parts, m, [1.0, 0.0]));
+        let moves = drift(parts, 0.5, true)
+            .chain(damp(&self.friction, 0))
+            .chain(kicks)
+            .chain(damp(&self.friction, 1))
+            .chain(drift(parts, 0.5, false));
+        let mut stepper = CompositionStepper::new(system, vec![moves.collect()], &self.friction)?;
+        stepper.own = (0..noises).map(|m| self.friction_of(system, m)).collect();
+        Ok(Box::new(stepper))
+    }
+}
+
+impl Scheme for SplitH {
+    fn about(&self) -> About {
+        About { reads_space_time: true, ..About::new("split-h") }
+    }
+
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        let parts = commuting("split-h", system)?;
+        let noises = system.description().noises;
+        let kicks =
+            |increment, area| (0..noises).flat_map(move |m| noise(parts, m, [increment, area]));
+        let damp = |half| damp(&self.friction, half);
+        // A symmetric step of H₀ and damping over a half of the step, or over all of it.
+        let over = |half: usize| {
+            drift(parts, 0.25, false).chain(damp(half)).chain(drift(parts, 0.25, true))
+        };
+        let delta = self.delta;
+        let moves: Vec<Move> = match delta == 0.0 {
+            true => kicks(0.5, 1.0)
+                .chain(drift(parts, 0.5, false))
+                .chain(damp(0))
+                .chain(damp(1))
+                .chain(drift(parts, 0.5, true))
+                .chain(kicks(0.5, -1.0))
+                .collect(),
+            false => kicks(0.5 - delta, 1.0)
+                .chain(over(0))
+                .chain(kicks(2.0 * delta, 0.0))
+                .chain(over(1))
+                .chain(kicks(0.5 - delta, -1.0))
+                .collect(),
+        };
+        Ok(Box::new(CompositionStepper::new(system, vec![moves], &self.friction)?))
     }
 }
 
@@ -158,18 +233,6 @@ impl Baoab {
     }
 }
 
-/// Halves of the flows of H₀ around friction and noise.
-struct BaoabStepper<'a> {
-    friction: &'a [(Arc<dyn Damping>, Vec<usize>)],
-    /// The friction of what each noise moves, if it is one.
-    own: Vec<Option<usize>>,
-    noise: StepNoise,
-    /// Factors of friction over the halves of a step.
-    halves: Vec<[f64; 2]>,
-    /// Before, noise, and after.
-    pieces: [CompositionStepper<'a>; 3],
-}
-
 /// √((1 − e^{−2Γ})/2Γ)/d₂ with e^{−Γ} = d₁d₂: what makes the noise between two halves of friction
 /// exact.
 fn exact([first, second]: [f64; 2]) -> f64 {
@@ -180,46 +243,6 @@ fn exact([first, second]: [f64; 2]) -> f64 {
         false => (1.0 - decay * decay) / (2.0 * integral),
     };
     mean.sqrt() / second
-}
-
-impl Stepper for BaoabStepper<'_> {
-    fn state(&self) -> &[Row] {
-        self.pieces[2].state()
-    }
-
-    fn state_mut(&mut self) -> &mut [Row] {
-        self.pieces[2].state_mut()
-    }
-
-    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let Self { friction, own, noise: scaled, halves, pieces: [before, middle, after] } = self;
-        let all = [step.first_decay, step.second_decay];
-        for (halves, (damping, _)) in halves.iter_mut().zip(*friction) {
-            *halves = [0, 1].map(|k| step.decay(&**damping, k));
-        }
-        before.state.copy_from_slice(&after.state);
-        before.step(step, noise, status);
-        let mut failed = status.failed;
-        let damp = |state: &mut Rows, k: usize| {
-            state.iter_mut().flatten().for_each(|y| *y *= all[k]);
-            for ((_, components), halves) in friction.iter().zip(&*halves) {
-                let rows = components.iter().copied();
-                rows.for_each(|i| state[i].iter_mut().for_each(|y| *y *= halves[k]));
-            }
-        };
-        middle.state.copy_from_slice(&before.state);
-        damp(&mut middle.state, 0);
-        for ((row, dw), own) in scaled.increments.iter_mut().zip(&*noise.increments).zip(own) {
-            let factor = own.map_or(1.0, |k| exact([0, 1].map(|half| all[half] * halves[k][half])));
-            row.iter_mut().zip(dw).for_each(|(row, dw)| *row = factor * dw);
-        }
-        middle.step(step, scaled, status);
-        failed = failed.or(status.failed);
-        damp(&mut middle.state, 1);
-        after.state.copy_from_slice(&middle.state);
-        after.step(step, noise, status);
-        status.failed = status.failed.or(failed);
-    }
 }
 
 /// Moves in turn.
@@ -235,6 +258,14 @@ struct CompositionStepper<'a> {
     /// A share of the noise.
     part: StepNoise,
     scratch: Rows,
+    friction: &'a Frictions,
+    /// The factors of damping over both halves, and of each friction.
+    factors: Vec<f64>,
+    /// The friction of what each noise moves, in whose middle it is made exact; empty where noises
+    /// are taken as they are.
+    own: Vec<Option<usize>>,
+    /// Increments, and space-time areas after them, as programs read them.
+    rows: Vec<Row>,
 }
 
 /// Moves of a step that are done at once.
@@ -246,7 +277,11 @@ enum Piece {
 }
 
 impl<'a> CompositionStepper<'a> {
-    fn new(system: &'a dyn System, steps: Vec<Vec<Move>>) -> Result<Self, SchemeError> {
+    fn new(
+        system: &'a dyn System,
+        steps: Vec<Vec<Move>>,
+        friction: &'a Frictions,
+    ) -> Result<Self, SchemeError> {
         let description = system.description();
         let rest = system.rest().map(|rest| Scheme::stepper(&Sexp, rest)).transpose()?;
         let last = description.parts.as_ref().map_or(0, |parts| parts.number - 1);
@@ -275,6 +310,10 @@ impl<'a> CompositionStepper<'a> {
             next: Rows::zero(next),
             part: StepNoise::zero(description.layout.noise_rows),
             scratch: Rows::zero(description.scratch_rows()),
+            friction,
+            factors: vec![1.0; 2 + 2 * friction.len()],
+            own: Vec::new(),
+            rows: Vec::new(),
         })
     }
 }
@@ -290,30 +329,56 @@ impl Stepper for CompositionStepper<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        let Self { system, steps, rest, state, next, part: part_of_noise, scratch } = self;
+        let Self { system, steps, rest, state, next, part: part_of_noise, scratch, rows, .. } =
+            self;
         let number = step.number() as usize % steps.len();
-        let factors = [step.first_decay, step.second_decay];
+        let factors = &mut self.factors;
+        (factors[0], factors[1]) = (step.first_decay, step.second_decay);
+        for (halves, (damping, _)) in factors[2..].chunks_mut(2).zip(self.friction) {
+            (halves[0], halves[1]) = (step.decay(&**damping, 0), step.decay(&**damping, 1));
+        }
+        let reads_more = !noise.space_time.is_empty();
+        if reads_more || !self.own.is_empty() {
+            rows.clear();
+            rows.extend_from_slice(&noise.increments);
+            for (row, own) in rows.iter_mut().zip(&self.own) {
+                let of = |k: usize| [0, 1].map(|half| factors[half] * factors[2 + 2 * k + half]);
+                let factor = own.map_or(1.0, |k| exact(of(k)));
+                row.iter_mut().for_each(|dw| *dw *= factor);
+            }
+            rows.extend_from_slice(&noise.space_time);
+        }
+        let all: &[Row] = if rows.is_empty() { &noise.increments } else { rows };
+        let (increments, areas) = all.split_at(noise.increments.len());
+        let rows_are_plain = all.len() == noise.increments.len() && self.own.is_empty();
         let t = step.t + 0.5 * step.tau;
-        let mut shares = (f64::NAN, None);
+        let mut shares = (f64::NAN, 0.0, None);
         for piece in &mut steps[number] {
             match piece {
                 Piece::Program(program) => {
-                    let h = Weights { t, dt: step.tau, dw: &noise.increments, ..Weights::NONE };
-                    program.run(&[state], &factors, h, next);
+                    let h = Weights { t, dt: step.tau, dw: all, ..Weights::NONE };
+                    program.run(&[state], factors, h, next);
                     std::mem::swap(state, next);
                 }
                 Piece::Move(Move::Scale(k)) => {
                     state.iter_mut().flatten().for_each(|y| *y *= factors[*k]);
                 }
-                Piece::Move(Move::Flow { part, drift, noise: share, only }) => {
-                    let is_whole = (*share, *only) == (1.0, None);
-                    if !is_whole && shares != (*share, *only) {
-                        shares = (*share, *only);
+                Piece::Move(Move::ScaleOne { component, factor }) => {
+                    state[*component].iter_mut().for_each(|y| *y *= factors[*factor]);
+                }
+                Piece::Move(Move::Flow { part, drift, noise: share, area, only }) => {
+                    let is_whole = (*share, *area, *only) == (1.0, 0.0, None) && rows_are_plain;
+                    if !is_whole && shares != (*share, *area, *only) {
+                        shares = (*share, *area, *only);
                         for (m, row) in part_of_noise.increments.iter_mut().enumerate() {
-                            let share =
-                                if only.is_none_or(|only| only == m) { *share } else { 0.0 };
-                            let all = row.iter_mut().zip(&noise.increments[m]);
+                            let moves = only.is_none_or(|only| only == m);
+                            let [share, area] = if moves { [*share, *area] } else { [0.0; 2] };
+                            let all = row.iter_mut().zip(&increments[m]);
                             all.for_each(|(to, dw)| *to = share * dw);
+                            if area != 0.0 {
+                                let all = row.iter_mut().zip(&areas[m]);
+                                all.for_each(|(to, h)| *to += area * h);
+                            }
                         }
                     }
                     let dw = if is_whole { noise } else { &*part_of_noise };

@@ -123,6 +123,9 @@ pub struct Description {
     /// Whether the noises were shown to commute, see [`noises_commute`](crate::noises_commute), so
     /// that no areas are needed.
     pub noises_commute: bool,
+    /// Whether the fields fₘ of the noises are constant, and the second derivatives of f₀ along
+    /// them zero, as in Langevin dynamics.
+    pub is_langevin: bool,
     /// Whether paths may leave the domain of the system where their steps are still finite, as
     /// behind the pole of a logarithm. Then [`guard`](super::System::guard) is asked after every
     /// step.
@@ -153,6 +156,7 @@ impl Description {
             invariants: Vec::new(),
             jacobi_holds: false,
             noises_commute: noises < 2,
+            is_langevin: false,
             has_guard: false,
             own_scratch_rows: 0,
         }

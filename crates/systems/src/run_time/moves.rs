@@ -19,6 +19,13 @@ pub struct Parts {
 pub enum Move {
     /// Multiplies the state by the factor of this number.
     Scale(usize),
+    /// Multiplies one component by the factor of this number.
+    ScaleOne {
+        /// Number of the component.
+        component: usize,
+        /// Number of the factor.
+        factor: usize,
+    },
     /// Follows the flow of a part.
     Flow {
         /// Number of the part.
@@ -27,6 +34,8 @@ pub enum Move {
         drift: f64,
         /// Share of the weights of the noises.
         noise: f64,
+        /// Share of their space-time areas, which are added to these weights.
+        area: f64,
         /// The only noise that moves, `None` for all.
         only: Option<usize>,
     },

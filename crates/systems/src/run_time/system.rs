@@ -65,7 +65,8 @@ pub trait System: Send + Sync {
     }
 
     /// Compiles the moves of a composition into one piece with one state as input, if the system
-    /// can do better than one flow after the other.
+    /// can do better than one flow after the other. Where a move reads space-time areas, their rows
+    /// come after those of the increments.
     fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
         let _ = moves;
         None

@@ -3,3 +3,4 @@
 mod long_time;
 mod nv;
 pub mod orders;
+mod space_time;

@@ -1,0 +1,243 @@
+//! Strong order 1.5 and 2 of `split-h`, what it keeps, and schemes that read wrong areas.
+//!
+//! Intervals of 1 − 10⁻⁶ of the slope between step sizes have the order in them, and no other
+//! multiple of ½.
+
+use std::{ops::Range, sync::Arc};
+
+use analysis::{Order, StepSizes, strong_order};
+use formula::FormulaSystem;
+use mc::Setup;
+use noise::{StepNoise, StreamKey, Truncation, WienerRows};
+use nonlin::BlockStatus;
+use real::{Row, WIDTH};
+use schemes::{
+    About, SplitH, Step, Stepper,
+    run_time::{Scheme, SchemeError},
+};
+use systems::{
+    Constant, Cosine, Damping,
+    run_time::{Description, Move, Op, Problem, Program, System, Weights},
+};
+
+use crate::{SPIN, constant, texts};
+
+const CONFIDENCE: f64 = 1.0 - 1e-6;
+
+/// A problem of texts with friction on components.
+struct Case {
+    name: &'static str,
+    problem: Problem,
+    friction: Vec<(Arc<dyn Damping>, Vec<usize>)>,
+    order: f64,
+}
+
+fn case(
+    (name, order): (&'static str, f64),
+    (state, b, energy, noises): (&str, &[&str], &str, &[&str]),
+    damping: Arc<dyn Damping>,
+    friction: &[(usize, f64)],
+    y0: &[f64],
+) -> Case {
+    let system = FormulaSystem::new(&texts(state, b, energy, noises), y0).unwrap();
+    let problem = Problem::new(Arc::new(system), damping, y0.to_vec(), 1.0).unwrap();
+    let one = |&(component, rate): &(usize, f64)| {
+        (Arc::new(constant(rate)) as Arc<dyn Damping>, vec![component])
+    };
+    Case { name, problem, friction: friction.iter().map(one).collect(), order }
+}
+
+const PLANE: [&str; 1] = ["1"];
+const TWO: [&str; 3] = ["0 1 0", "0 1", "0"];
+const BODY: &str = "(x^2/2 + y^2 + 1.5*z^2)/2";
+
+fn spin() -> Case {
+    let spin = ("x y z", &SPIN[..], "0.8*z^2 - 0.5*x", &["0.7*z"][..]);
+    case(("spin", 1.5), spin, Arc::new(constant(0.0)), &[], &[0.6, 0.0, 0.8])
+}
+
+fn cases() -> [Case; 8] {
+    let none = || Arc::new(constant(0.0));
+    let cosine = || Arc::new(Cosine::new(0.5, 2.0).unwrap());
+    let well = ("q p", &PLANE[..], "p^2/2 + (q^2 - 1)^2", &["1.2*q"][..]);
+    let chain = (
+        "q1 q2 p1 p2",
+        &TWO[..],
+        "p1^2/2 + p2^2/4 + q1^4/4 + q2^2 + (q1 - q2)^4/4",
+        &["0.9*q1", "0.6*q2"][..],
+    );
+    let light = ("x y z", &["-z y", "0"][..], "x^2/2 + z", &["0.6*z"][..]);
+    let kubo = ("q p", &PLANE[..], "(q^2 + p^2)/2", &["0.5*q^2"][..]);
+    [
+        case(
+            ("pendulum", 2.0),
+            ("q p", &PLANE, "p^2/2 - cos(q)", &["0.5*q"]),
+            Arc::new(constant(0.3)),
+            &[],
+            &[0.5, 0.3],
+        ),
+        case(("well, friction", 2.0), well, none(), &[(1, 1.0)], &[0.5, 0.3]),
+        case(("chain, friction", 2.0), chain, none(), &[(2, 0.8), (3, 0.4)], &[0.5, 0.3, 0.2, -0.4]),
+        case(("pendulum, oscillating", 2.0), well, cosine(), &[], &[0.5, 0.3]),
+        spin(),
+        case(
+            ("body, oscillating", 1.5),
+            ("x y z", &SPIN, BODY, &["0.4*y^2"]),
+            cosine(),
+            &[],
+            &[0.6, 0.0, 0.8],
+        ),
+        case(("light", 1.5), light, Arc::new(constant(0.2)), &[], &[1.0, 0.5, 0.8]),
+        case(("oscillator", 1.5), kubo, none(), &[], &[0.8, 0.3]),
+    ]
+}
+
+fn measured(case: &Case, scheme: &dyn Scheme, seed: u64) -> Order {
+    let setup = Setup::at_run_time(&case.problem, scheme).unwrap();
+    let key = StreamKey { seed, experiment: 3 };
+    strong_order(&setup, &StepSizes::new(8, Truncation::new(4).unwrap(), key)).unwrap()
+}
+
+/// The interval of the slope, which is printed with that of 95 %.
+fn interval(name: &str, order: &Order) -> (f64, f64) {
+    let rate = order.rate.as_ref().unwrap();
+    println!("{name:24} {:.3} [{:.3}, {:.3}]", rate.estimate, rate.lo, rate.hi);
+    rate.interval(CONFIDENCE)
+}
+
+#[test]
+fn split_h_has_strong_order_two_or_one_and_a_half() {
+    for case in cases() {
+        let scheme = SplitH::of(case.problem.system(), case.friction.clone());
+        let found = measured(&case, &scheme, 1);
+        let (lo, hi) = interval(case.name, &found);
+        let near = lo <= case.order + 0.02 && hi >= case.order - 0.02;
+        assert!(near && lo > case.order - 0.25 && hi < case.order + 0.25, "{}: {found}", case.name);
+    }
+}
+
+/// `split-h` on noise whose space-time areas are changed.
+struct Changed(SplitH, fn(&mut StepNoise));
+
+impl Scheme for Changed {
+    fn about(&self) -> About {
+        Scheme::about(&self.0)
+    }
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        Ok(Box::new(ChangedStepper(self.0.stepper(system)?, self.1)))
+    }
+}
+
+struct ChangedStepper<'a>(Box<dyn Stepper + 'a>, fn(&mut StepNoise));
+
+impl Stepper for ChangedStepper<'_> {
+    fn state(&self) -> &[Row] {
+        self.0.state()
+    }
+    fn state_mut(&mut self) -> &mut [Row] {
+        self.0.state_mut()
+    }
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let mut noise = noise.clone();
+        self.1(&mut noise);
+        self.0.step(step, &noise, status);
+    }
+}
+
+/// Formulas that are said to be of Langevin's kind, so that δ = 0.
+struct Straight(FormulaSystem, Description);
+
+impl System for Straight {
+    fn description(&self) -> &Description {
+        &self.1
+    }
+    fn apply(
+        &self,
+        op: Op<&[Row]>,
+        tile: Range<usize>,
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        self.0.apply(op, tile, h, out, scratch);
+    }
+    fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
+        self.0.compose(moves)
+    }
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        self.0.energy(y, h, out, scratch);
+    }
+}
+
+#[test]
+fn wrong_areas_lose_the_order() {
+    let turned = |noise: &mut StepNoise| {
+        noise.space_time.as_flattened_mut().iter_mut().for_each(|h| *h = -*h);
+    };
+    let large = |noise: &mut StepNoise| {
+        noise.space_time.as_flattened_mut().iter_mut().for_each(|h| *h *= 2f64.sqrt());
+    };
+    // That of the next path.
+    let other = |noise: &mut StepNoise| {
+        noise.space_time.iter_mut().for_each(|row| row.rotate_left(1));
+    };
+    let none = |noise: &mut StepNoise| noise.space_time.as_flattened_mut().fill(0.0);
+    let twins: [(&str, fn(&mut StepNoise)); 4] =
+        [("turned", turned), ("large", large), ("other", other), ("none", none)];
+    for case in [spin(), cases().into_iter().nth(1).unwrap()] {
+        for (name, change) in twins {
+            let scheme =
+                Changed(SplitH::of(case.problem.system(), case.friction.clone()), change);
+            let (_, hi) = interval(&format!("  {}, {name}", case.name), &measured(&case, &scheme, 1));
+            assert!(hi < 1.3, "{} {name}: {hi}", case.name);
+        }
+    }
+    // Without δ a spin has order one.
+    let straight = {
+        let spin = texts("x y z", &SPIN, "0.8*z^2 - 0.5*x", &["0.7*z"]);
+        let system = FormulaSystem::new(&spin, &[0.6, 0.0, 0.8]).unwrap();
+        let description = Description { is_langevin: true, ..system.description().clone() };
+        Straight(system, description)
+    };
+    let of = Constant::new(0.0).unwrap();
+    let problem =
+        Problem::new(Arc::new(straight), Arc::new(of), vec![0.6, 0.0, 0.8], 1.0).unwrap();
+    let case = Case { problem, ..spin() };
+    let scheme = SplitH::of(case.problem.system(), []);
+    let (_, hi) = interval("  spin, one drift", &measured(&case, &scheme, 1));
+    assert!(hi < 1.3, "{hi}");
+}
+
+/// Casimirs stay on their laws over 10⁵ steps of ½, at any step size: up to rounding in random
+/// directions, of 10⁻¹² for 4096 steps.
+#[test]
+fn casimirs_stay_on_their_laws() {
+    const STEPS: u64 = 100_000;
+    let tau: f64 = 0.5;
+    let cosine = Cosine::new(0.5, 2.0).unwrap();
+    let body = ("x y z", &SPIN[..], BODY, &["0.4*y^2"][..]);
+    for case in [
+        spin(),
+        case(("body", 1.5), body, Arc::new(cosine), &[], &[0.6, 0.0, 0.8]),
+    ] {
+        let scheme = SplitH::of(case.problem.system(), []);
+        let setup = Setup::at_run_time(&case.problem, &scheme).unwrap();
+        let mut paths = setup.scheme.start(&setup.start());
+        let mut noise = setup.scheme.no_noise(1);
+        let key = StreamKey { seed: 1, experiment: 0 };
+        let mut wiener = WienerRows::new(key, 0);
+        let mut status = BlockStatus::explicit();
+        for n in 0..STEPS {
+            wiener.increments(tau.sqrt(), &mut noise.increments);
+            wiener.increments((tau / 12.0).sqrt(), &mut noise.space_time);
+            let step = Step::new(case.problem.damping(), n, tau).unwrap();
+            paths.step(&step, &noise, &mut status);
+        }
+        let law = (-2.0 * case.problem.damping().integral(0.0, tau * STEPS as f64)).exp();
+        let allowed = 1e-12 * (STEPS as f64 / 4096.0).sqrt();
+        for p in 0..WIDTH {
+            let square: f64 = paths.state().iter().map(|row| row[p] * row[p]).sum();
+            assert!((square / law - 1.0).abs() < allowed, "{}: {}", case.name, square / law);
+        }
+    }
+}
