@@ -77,7 +77,13 @@ fn cases() -> [Case; 8] {
             &[0.5, 0.3],
         ),
         case(("well, friction", 2.0), well, none(), &[(1, 1.0)], &[0.5, 0.3]),
-        case(("chain, friction", 2.0), chain, none(), &[(2, 0.8), (3, 0.4)], &[0.5, 0.3, 0.2, -0.4]),
+        case(
+            ("chain, friction", 2.0),
+            chain,
+            none(),
+            &[(2, 0.8), (3, 0.4)],
+            &[0.5, 0.3, 0.2, -0.4],
+        ),
         case(("pendulum, oscillating", 2.0), well, cosine(), &[], &[0.5, 0.3]),
         spin(),
         case(
@@ -95,7 +101,8 @@ fn cases() -> [Case; 8] {
 fn measured(case: &Case, scheme: &dyn Scheme, seed: u64) -> Order {
     let setup = Setup::at_run_time(&case.problem, scheme).unwrap();
     let key = StreamKey { seed, experiment: 3 };
-    strong_order(&setup, &StepSizes::new(8, Truncation::new(4).unwrap(), key)).unwrap()
+    let sizes = StepSizes::new(16, Truncation::new(4).unwrap(), key);
+    strong_order(&setup, &StepSizes { samples: 4 * sizes.samples, ..sizes }).unwrap()
 }
 
 /// The interval of the slope, which is printed with that of 95 %.
@@ -186,9 +193,9 @@ fn wrong_areas_lose_the_order() {
         [("turned", turned), ("large", large), ("other", other), ("none", none)];
     for case in [spin(), cases().into_iter().nth(1).unwrap()] {
         for (name, change) in twins {
-            let scheme =
-                Changed(SplitH::of(case.problem.system(), case.friction.clone()), change);
-            let (_, hi) = interval(&format!("  {}, {name}", case.name), &measured(&case, &scheme, 1));
+            let scheme = Changed(SplitH::of(case.problem.system(), case.friction.clone()), change);
+            let (_, hi) =
+                interval(&format!("  {}, {name}", case.name), &measured(&case, &scheme, 1));
             assert!(hi < 1.3, "{} {name}: {hi}", case.name);
         }
     }
@@ -200,8 +207,7 @@ fn wrong_areas_lose_the_order() {
         Straight(system, description)
     };
     let of = Constant::new(0.0).unwrap();
-    let problem =
-        Problem::new(Arc::new(straight), Arc::new(of), vec![0.6, 0.0, 0.8], 1.0).unwrap();
+    let problem = Problem::new(Arc::new(straight), Arc::new(of), vec![0.6, 0.0, 0.8], 1.0).unwrap();
     let case = Case { problem, ..spin() };
     let scheme = SplitH::of(case.problem.system(), []);
     let (_, hi) = interval("  spin, one drift", &measured(&case, &scheme, 1));
@@ -216,10 +222,7 @@ fn casimirs_stay_on_their_laws() {
     let tau: f64 = 0.5;
     let cosine = Cosine::new(0.5, 2.0).unwrap();
     let body = ("x y z", &SPIN[..], BODY, &["0.4*y^2"][..]);
-    for case in [
-        spin(),
-        case(("body", 1.5), body, Arc::new(cosine), &[], &[0.6, 0.0, 0.8]),
-    ] {
+    for case in [spin(), case(("body", 1.5), body, Arc::new(cosine), &[], &[0.6, 0.0, 0.8])] {
         let scheme = SplitH::of(case.problem.system(), []);
         let setup = Setup::at_run_time(&case.problem, &scheme).unwrap();
         let mut paths = setup.scheme.start(&setup.start());
