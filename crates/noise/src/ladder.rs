@@ -2,8 +2,8 @@
 
 use crate::StepNoise;
 
-/// The noise of every coarser step of a dyadic ladder: sums of increments, and Lévy areas by Chen's
-/// relation ([`join`](crate::join)). A step of level ℓ consists of 2^ℓ finest steps.
+/// The noise of every coarser step of a dyadic ladder: sums of increments, Lévy areas by Chen's
+/// relation ([`join`](crate::join)), and space-time areas. A step of level ℓ consists of 2^ℓ finest steps.
 ///
 /// The noise of the finest steps is pushed step by step. When a step of a level is complete, the
 /// level holds its *untruncated* noise and that of its first half. Memory: twice the noise of a
@@ -78,10 +78,20 @@ mod tests {
         Noise { increments: at, areas }
     }
 
+    /// H of a path of straight pieces of length one: ∫W ds/T − ½ΔW, exact in floating point.
+    fn space_time(pieces: &[[f64; 3]]) -> [f64; 3] {
+        let (mut at, mut integral) = ([0.0; 3], [0.0; 3]);
+        for piece in pieces {
+            integral = std::array::from_fn(|m| integral[m] + at[m] + 0.5 * piece[m]);
+            at = std::array::from_fn(|m| at[m] + piece[m]);
+        }
+        std::array::from_fn(|m| integral[m] / pieces.len() as f64 - 0.5 * at[m])
+    }
+
     #[test]
     fn every_level_holds_the_noise_of_its_step() {
         let pieces = pieces();
-        let mut ladder = DyadicLadder::new(3, &StepNoise::with_areas(3));
+        let mut ladder = DyadicLadder::new(3, &StepNoise::with_areas(3).with_space_time());
         for (n, piece) in pieces.iter().enumerate() {
             let complete = ladder.push(|finest| finest.set_path(5, &noise_of(&[*piece])));
             assert_eq!(complete, ((n + 1).trailing_zeros() as usize).min(3));
@@ -89,6 +99,8 @@ mod tests {
                 let step = &pieces[n + 1 - (1 << level)..=n];
                 let (first, second) = step.split_at(step.len() / 2);
                 assert_eq!(ladder.whole(level).path::<3>(5), noise_of(step), "{n} {level}");
+                let found = [0, 1, 2].map(|m| ladder.whole(level).space_time[m][5]);
+                assert_eq!(found, space_time(step), "{n} {level}");
                 if level > 0 {
                     assert_eq!(ladder.first_half(level).path::<3>(5), noise_of(first));
                     assert_eq!(ladder.whole(level - 1).path::<3>(5), noise_of(second));

@@ -264,6 +264,8 @@ struct CompositionStepper<'a> {
     /// The friction of what each noise moves, in whose middle it is made exact; empty where noises
     /// are taken as they are.
     own: Vec<Option<usize>>,
+    /// Whether a move reads space-time areas.
+    reads_space_time: bool,
     /// Increments, and space-time areas after them, as programs read them.
     rows: Vec<Row>,
 }
@@ -291,6 +293,8 @@ impl<'a> CompositionStepper<'a> {
             Some(program) => vec![Piece::Program(program)],
             None => moves.iter().copied().map(Piece::Move).collect(),
         };
+        let reads = |one: &Move| matches!(one, Move::Flow { area, .. } if *area != 0.0);
+        let reads_space_time = steps.iter().flatten().any(reads);
         let step = |moves: Vec<Move>| -> Vec<Piece> {
             let runs = moves.chunk_by(|one, next| !is_rest(one) && !is_rest(next));
             runs.flat_map(|run| match run {
@@ -313,6 +317,7 @@ impl<'a> CompositionStepper<'a> {
             friction,
             factors: vec![1.0; 2 + 2 * friction.len()],
             own: Vec::new(),
+            reads_space_time,
             rows: Vec::new(),
         })
     }
@@ -337,8 +342,7 @@ impl Stepper for CompositionStepper<'_> {
         for (halves, (damping, _)) in factors[2..].chunks_mut(2).zip(self.friction) {
             (halves[0], halves[1]) = (step.decay(&**damping, 0), step.decay(&**damping, 1));
         }
-        let reads_more = !noise.space_time.is_empty();
-        if reads_more || !self.own.is_empty() {
+        if self.reads_space_time || !self.own.is_empty() {
             rows.clear();
             rows.extend_from_slice(&noise.increments);
             for (row, own) in rows.iter_mut().zip(&self.own) {
@@ -346,7 +350,9 @@ impl Stepper for CompositionStepper<'_> {
                 let factor = own.map_or(1.0, |k| exact(of(k)));
                 row.iter_mut().for_each(|dw| *dw *= factor);
             }
-            rows.extend_from_slice(&noise.space_time);
+            if self.reads_space_time {
+                rows.extend_from_slice(&noise.space_time);
+            }
         }
         let all: &[Row] = if rows.is_empty() { &noise.increments } else { rows };
         let (increments, areas) = all.split_at(noise.increments.len());

@@ -64,7 +64,9 @@ fn check<S: PoissonSystem<D, M> + Tuned<D, M> + Clone, const D: usize, const M: 
     y0: [f64; D],
 ) {
     let adapter = Compiled::new(system.clone(), y0);
-    let flows = |kind: &BuiltIn| matches!(kind, BuiltIn::Nv | BuiltIn::Split | BuiltIn::Baoab);
+    let flows = |kind: &BuiltIn| {
+        matches!(kind, BuiltIn::Nv | BuiltIn::Split | BuiltIn::SplitH | BuiltIn::Baoab)
+    };
     for kind in BuiltIn::ALL.into_iter().filter(|kind| !flows(kind)) {
         let compiled = S::scheme(kind, &system, y0).unwrap();
         let at_run_time = kind.at_run_time(&adapter).unwrap();
