@@ -3,7 +3,8 @@
 use crate::StepNoise;
 
 /// The noise of every coarser step of a dyadic ladder: sums of increments, Lévy areas by Chen's
-/// relation ([`join`](crate::join)), and space-time areas. A step of level ℓ consists of 2^ℓ finest steps.
+/// relation ([`join`](crate::join)), and space-time areas. A step of level ℓ consists of 2^ℓ finest
+/// steps.
 ///
 /// The noise of the finest steps is pushed step by step. When a step of a level is complete, the
 /// level holds its *untruncated* noise and that of its first half. Memory: twice the noise of a

@@ -56,7 +56,7 @@ impl StepNoise {
         if areas { Self::with_areas(noises) } else { Self::zero(noises) }
     }
 
-    /// The same with rows of zero space-time areas.
+    /// Adds rows of zero space-time areas.
     #[must_use]
     pub fn with_space_time(self) -> Self {
         Self { space_time: Rows::zero(self.increments.len()), ..self }

@@ -203,7 +203,8 @@ impl FormulaSystem {
         &self.formulas.names
     }
 
-    /// The coordinates of momenta p: the q with B∇q = b·e_p and a constant b; none if there is none.
+    /// The coordinates of momenta p: the q with B∇q = b·e_p and a constant b; none if there is
+    /// none.
     #[must_use]
     pub fn coordinates(&self, momenta: &[usize]) -> Vec<Option<Coordinate>> {
         self.expressions.clone().coordinates(momenta)
