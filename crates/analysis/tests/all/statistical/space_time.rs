@@ -123,8 +123,11 @@ fn split_h_has_strong_order_two_or_one_and_a_half() {
     }
 }
 
+/// A change of the noise of a step.
+type Change = fn(&mut StepNoise);
+
 /// `split-h` on noise whose space-time areas are changed.
-struct Changed(SplitH, fn(&mut StepNoise));
+struct Changed(SplitH, Change);
 
 impl Scheme for Changed {
     fn about(&self) -> About {
@@ -135,7 +138,7 @@ impl Scheme for Changed {
     }
 }
 
-struct ChangedStepper<'a>(Box<dyn Stepper + 'a>, fn(&mut StepNoise));
+struct ChangedStepper<'a>(Box<dyn Stepper + 'a>, Change);
 
 impl Stepper for ChangedStepper<'_> {
     fn state(&self) -> &[Row] {
@@ -189,7 +192,7 @@ fn wrong_areas_lose_the_order() {
         noise.space_time.iter_mut().for_each(|row| row.rotate_left(1));
     };
     let none = |noise: &mut StepNoise| noise.space_time.as_flattened_mut().fill(0.0);
-    let twins: [(&str, fn(&mut StepNoise)); 4] =
+    let twins: [(&str, Change); 4] =
         [("turned", turned), ("large", large), ("other", other), ("none", none)];
     for case in [spin(), cases().into_iter().nth(1).unwrap()] {
         for (name, change) in twins {
