@@ -111,7 +111,7 @@ impl Chains {
 }
 
 /// Version of the layout of chains in their file.
-const LAYOUT: u32 = 2;
+const LAYOUT: u32 = 3;
 
 impl Verb for Equilibrium {
     const NAME: &'static str = "equilibrium";
