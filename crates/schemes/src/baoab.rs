@@ -12,9 +12,10 @@ use systems::Damping;
 /// y_{n+1} = φ_P(½) ⋯ φ₀(½) O φ₀(½) ⋯ φ_P(½) y_n,
 ///
 /// where φ_k(c) is the flow of part k of H₀ for cτ, and O the exact Ornstein–Uhlenbeck step: the
-/// damping and friction of τ with the flows of the noises in its middle, for ΔW√((1 − e^{−2Γ})/2Γ)
-/// e^{Γ₂} with the integrals Γ and Γ₂ of friction over the step and its second half. So a momentum
-/// with friction and constant noise has the law of the exact solution. With H₀ = p²/2m + V(q) the
+/// damping and friction of τ, and then the flows of the noises for ΔW√((1 − e^{−2Γ})/2Γ) with the
+/// integral Γ of all damping over the step. So a momentum with friction and constant noise has the
+/// law of the exact solution. Noises that depend on the state, or move components of different
+/// friction, are taken as they are, in the middle of the damping. With H₀ = p²/2m + V(q) the
 /// part P is V, and the step a kick, a drift, O, a drift, a kick.
 ///
 /// - Orders: weak 2; strong 1; order 2 without noise. Noises must commute.

@@ -18,7 +18,8 @@ use systems::{Damping, run_time::System};
 /// derivatives along them, as in Langevin dynamics, ∫W² ds has no part in the error, and δ = 0 with
 /// one step D(τ) does.
 ///
-/// - Orders: strong 1.5, and 2 with δ = 0; weak 2; order 2 without noise. Noises must commute.
+/// - Orders: strong 1.5, and 2 with δ = 0; weak 2; order 2 without noise. Noises must commute, and
+///   Hamiltonians not depend on time.
 /// - Preserves the conformal law of every homogeneous Casimir that its flows preserve, for every τ
 ///   and every increment.
 /// - Cost per step: 4P + 7 flows, 2P + 4 with δ = 0. Explicit.

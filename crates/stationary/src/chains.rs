@@ -155,7 +155,8 @@ impl Chains {
         for block in &self.blocks {
             let rows = &block.states[0][dimension..];
             sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row.iter().sum::<f64>());
-            stands |= rows[1].contains(&0.0);
+            // Not those whose energy is no number, which nothing moves.
+            stands |= (0..WIDTH).any(|p| rows[1][p] == 0.0 && rows[MORE - 1][p].is_finite());
         }
         let (chains, is_spread) = (self.chains(), self.number < self.spread);
         if self.number == self.spread {
@@ -368,7 +369,7 @@ impl Chains {
 /// The sums of 32 chains over a batch.
 pub struct Sums {
     block: Block,
-    /// Sums of each average at each step size, and of its square at the finest.
+    /// Sums of each average at each step size, and of its square at the longest.
     sums: Vec<Row>,
     counts: Vec<Vec<u64>>,
 }

@@ -218,6 +218,10 @@ impl<'a> Equilibrium<'a> {
     /// As [`run`](Self::run), and if there are fewer components than exponents.
     pub fn lyapunov(&self, count: usize, accuracy: f64) -> Result<Averages, RunError> {
         let most = self.setup.problem.y0.len();
+        if self.beta.is_some() {
+            let what = "exponents are those of paths, which exact steps do not follow";
+            return Err(RunError::Setting(what.into()));
+        }
         let allowed = (1..=most).contains(&count);
         let range = "from 1 to that of components";
         RunError::unmet([(allowed, "number of exponents", range, count as f64)])?;
@@ -283,6 +287,10 @@ impl<'a> Equilibrium<'a> {
                     chains.is_settled = true;
                     chains.double(of);
                 }
+            }
+            let pilot_cost = chains.spent.saturating_add(self.cost(&chains, 1));
+            if chains.number < chains.spread && pilot_cost > settings.max_cost {
+                return Err(RunError::PilotCost { pilot_cost, max_cost: settings.max_cost });
             }
             let goes_on = self.advance(setup, (of, watched), &mut chains)?;
             if let Some(checkpoint) = checkpoint.filter(|to| goes_on && to.is_due()) {

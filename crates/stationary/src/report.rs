@@ -387,14 +387,14 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     });
     let is_shorter = extrapolated.1 + extrapolated.2 < plain.1 + plain.2;
     let (mean, sampling, mut bias, mut seen) = if is_shorter { extrapolated } else { plain };
-    let finest = kept.main(is_average);
+    let main = kept.main(is_average);
     let is_exact = kept.means.len() == 1;
     if is_exact {
         (bias, seen) = (0.0, (0.0, 0.0));
     }
-    let variance = kept.square - finest.mean() * finest.mean();
+    let variance = kept.square - main.mean() * main.mean();
     let deviation = if variance > 1e-14 * kept.square { variance.sqrt() } else { 0.0 };
-    let of_mean = finest.variance();
+    let of_mean = main.variance();
     let ratio = if deviation == 0.0 { 0.0 } else { of_mean / (deviation * deviation) };
     // Of exponents, batches are as good as independent.
     let lengths = match is_average {
@@ -413,7 +413,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
             false => Warning::new("the chains are too short, or disagree"),
         })
     } else {
-        let few = finest.effective_samples() < FEW_SAMPLES.min(count / 6.0);
+        let few = main.effective_samples() < FEW_SAMPLES.min(count / 6.0);
         few.then(|| Warning::new("a few chains decide"))
     };
     let level = |run: usize| {

@@ -8,7 +8,7 @@
 pub const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Number of standard errors by which early batches differ from late ones: chance does it once in
 /// 2000. With more, the drift of the beginning is in averages; with less, chains look as if they
-///       drift.
+/// drift.
 pub const DRIFTS: f64 = 3.5;
 /// Largest variance over the chains of a batch after the burn-in, over that of late ones. Without
 /// it chains that begin far apart around the right mean count from the beginning.

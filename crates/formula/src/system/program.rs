@@ -59,7 +59,8 @@ struct SchemeTape {
     tape: Tape,
     /// The operations that have a factor.
     multiples: Vec<usize>,
-    reads_noise: bool,
+    /// Rows of increments, and of space-time areas after them, if they are read.
+    noise_rows: Option<usize>,
     reads_areas: bool,
     /// Whether the last number is the time.
     reads_time: bool,
@@ -111,12 +112,13 @@ impl SchemeTape {
         }
         let reads_time = system.depend_on_time();
         let uniform = d..time + usize::from(reads_time);
-        let reads_noise = m > 0;
-        let rows = if reads_space_time { 2 * m } else { m };
-        let groups: Vec<_> = once(0..d).chain(reads_noise.then_some(noise..noise + rows)).collect();
+        let noise_rows = if reads_space_time { 2 * m } else { m };
+        let rows = noise..noise + noise_rows;
+        let groups: Vec<_> = once(0..d).chain((m > 0).then_some(rows)).collect();
         let tape = Tape::with_numbers(&graph, &y, &groups, uniform);
         let multiples = (0..count).collect();
-        Self { tape, multiples, reads_noise, reads_areas: false, reads_time }
+        let noise_rows = (m > 0).then_some(noise_rows);
+        Self { tape, multiples, noise_rows, reads_areas: false, reads_time }
     }
 
     fn formula(
@@ -162,20 +164,21 @@ impl SchemeTape {
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let uniform = numbers..t + usize::from(reads_time);
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, uniform);
-        Some(Self { tape, multiples, reads_noise, reads_areas, reads_time })
+        let noise_rows = reads_noise.then_some(system.noises);
+        Some(Self { tape, multiples, noise_rows, reads_areas, reads_time })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let SchemeTape { tape, multiples, reads_noise, reads_areas, reads_time } = &*self.compiled;
+        let SchemeTape { tape, multiples, noise_rows, reads_areas, reads_time } = &*self.compiled;
         let factors = multiples.iter().map(|&multiple| factors[multiple]);
         self.numbers.set(once(h.dt).chain(factors).chain(reads_time.then_some(h.t)));
         let mut groups = [&[][..]; MAX_INPUTS + 2];
         let given = inputs
             .iter()
             .copied()
-            .chain(reads_noise.then_some(h.dw))
+            .chain(noise_rows.map(|rows| &h.dw[..rows]))
             .chain(reads_areas.then_some(h.areas));
         let count = groups.iter_mut().zip(given).map(|(group, rows)| *group = rows).count();
         tape.evaluate_with(&self.numbers, &groups[..count], out, &mut self.scratch);

@@ -102,6 +102,10 @@ impl Bath {
             return Self { any: true, ..Self::default() };
         }
         let beta = stationary(&terms);
+        // Of formulas, a bath has a law by the volume of leaves, which is not that of y.
+        if bathed && !probe.description().joined.is_empty() && !is_divergence_free(system, y0) {
+            return Self { mismatch: vec![VOLUME.into()], ..Self::default() };
+        }
         // A noise that spoils a bath: without it there is a temperature.
         let spoils = || {
             let of = |m: usize| Some((m, stationary(&without(Some(m)))?));
@@ -117,6 +121,10 @@ impl Bath {
         Self { beta, any: false, mismatch }
     }
 }
+
+/// Reason why no law is tested.
+const VOLUME: &str = "fields B∇H have a divergence: e^(-βH0) is a law by the volume of the leaves, \
+                      which is not tested";
 
 /// Reason why no e^{−βH₀} is stationary with a bath.
 const BATHS: &str = "baths have one temperature, and there is neither other damping nor other \

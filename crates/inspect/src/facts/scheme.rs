@@ -2,8 +2,7 @@
 //! What each scheme does is in [`schemes::BuiltIn`].
 //!
 //! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
-//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` where a bath shifts
-//! increments. `heun` and `em` are for those who name them.
+//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` on a lattice in a bath. `heun` and `em` are for those who name them.
 
 use mc::Problem;
 use systems::run_time::System;
@@ -57,7 +56,8 @@ impl Conserved {
         let system = system.description();
         let scheme = match self.areas {
             _ if system.parts.as_ref().is_ok_and(|parts| parts.preferred) => "split",
-            _ if system.has_bath => "sexp-li",
+            // A lattice.
+            _ if system.has_bath && system.joined.is_empty() => "sexp-li",
             true => "sexp-levy",
             false => "sexp",
         };

@@ -11,11 +11,7 @@ use casimir::{
     },
 };
 
-use super::{
-    AtRunTime, Built,
-    damping::{damping, of_rate},
-    project::numbered,
-};
+use super::{AtRunTime, Built, damping::damping, project::numbered};
 use crate::{BathTable, Further, Observable, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
@@ -73,13 +69,8 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
                     "a bath takes a noise for each spin, `local`, and no [damping]: give `noise`"
                 );
             }
-            let number = |text| -> Read<f64> {
-                let rate = of_rate(reading, text)?;
-                match [0.0, 1.0].map(|t| rate.rate(t)) {
-                    [first, last] if first == last => Ok(first),
-                    _ => refuse!(text, "a bath of a lattice is the same at all times"),
-                }
-            };
+            // The same at all times: t is no name here.
+            let number = |text| reading.constants.value(text);
             let (kt, transverse) = (number(temperature)?, number(alpha)?);
             if kt < 0.0 || transverse <= 0.0 {
                 refuse!(

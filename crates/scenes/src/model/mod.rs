@@ -12,11 +12,16 @@ use std::sync::{Arc, OnceLock};
 use casimir::{
     expectation::Expect,
     formula::{FormulaSystem, Names},
-    inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, span},
+    inspect::facts::{
+        Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, is_divergence_free, span,
+    },
     mc::{Friction, Problem, Setup},
     schemes::{Baoab, BuiltIn, Method, SchemeError, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
-    systems::run_time::{self, System},
+    systems::{
+        Linearity,
+        run_time::{self, System},
+    },
 };
 
 use crate::{Further, Observable, Read, Reading};
@@ -193,7 +198,13 @@ impl Model for AtRunTime {
         let formulas = self.formulas.as_ref().ok_or("a lattice has no such flows")?;
         let beta = self.bath().and_then(|bath| bath.beta);
         let beta = beta.ok_or("no exp(-H0/kT) is known to be stationary")?;
-        let reach = span(self.system(), self.problem.y0());
+        // Flows keep the volume of leaves; β is of that of y.
+        let (system, y0) = (self.system(), self.problem.y0());
+        let constant = system.description().linearity == Linearity::Constant;
+        if !constant && !is_divergence_free(system, y0) {
+            return Err("the volume of leaves is not that of y".into());
+        }
+        let reach = span(system, y0);
         if reach.is_some_and(|Span { reached, leaf, .. }| reached < leaf) {
             return Err("its noises do not reach all of a leaf".into());
         }

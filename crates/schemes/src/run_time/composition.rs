@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, Rows, elementary::ln};
+use real::{Row, Rows, elementary::exp};
 use systems::{
     Damping,
     probe::TRIPLE_JUMP,
@@ -154,13 +154,17 @@ impl Scheme for Baoab {
         let parts = commuting("baoab", system)?;
         let noises = system.description().noises;
         let kicks = (0..noises).flat_map(|m| noise(parts, m, [1.0, 0.0]));
-        let moves = drift(parts, 0.5, true)
-            .chain(damp(&self.friction, 0))
-            .chain(kicks)
-            .chain(damp(&self.friction, 1))
-            .chain(drift(parts, 0.5, false));
-        let mut stepper = CompositionStepper::new(system, vec![moves.collect()], &self.friction)?;
-        stepper.own = (0..noises).map(|m| self.friction_of(system, m)).collect();
+        let own: Option<Vec<_>> = (0..noises).map(|m| self.frictions_of(system, m)).collect();
+        // Noises that are made exact come after friction, others in its middle.
+        let [first, second] = [0, 1].map(|half| damp(&self.friction, half));
+        let moves: Vec<Move> = drift(parts, 0.5, true).chain(first).collect();
+        let moves = match own {
+            Some(_) => moves.into_iter().chain(second).chain(kicks).collect::<Vec<_>>(),
+            None => moves.into_iter().chain(kicks).chain(second).collect(),
+        };
+        let moves = moves.into_iter().chain(drift(parts, 0.5, false)).collect();
+        let mut stepper = CompositionStepper::new(system, vec![moves], &self.friction)?;
+        stepper.own = own.unwrap_or_default();
         Ok(Box::new(stepper))
     }
 }
@@ -172,6 +176,10 @@ impl Scheme for SplitH {
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         let parts = commuting("split-h", system)?;
+        if system.description().depends_on_time {
+            let reason = "Hamiltonians depend on time, which costs it its order; take nv";
+            return Err(SchemeError::parts("split-h", &system.description().name, reason));
+        }
         let noises = system.description().noises;
         let kicks =
             |increment, area| (0..noises).flat_map(move |m| noise(parts, m, [increment, area]));
@@ -200,24 +208,25 @@ impl Scheme for SplitH {
     }
 }
 
-/// States at which a noise is looked at.
+/// States and times at which a noise is looked at.
 const POINTS: [f64; 2] = [0.3, 0.9];
+const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 
 impl Baoab {
-    /// The friction of the components that a constant noise moves; none if these have several, or
-    /// if the noise depends on the state.
-    fn friction_of(&self, system: &dyn System, m: usize) -> Option<usize> {
+    /// The frictions of all components that a constant noise moves; none if these differ, or if the
+    /// noise depends on the state.
+    fn frictions_of(&self, system: &dyn System, m: usize) -> Option<Vec<usize>> {
         let description = system.description();
-        if self.friction.is_empty() || description.layout.local_noise {
+        if description.layout.local_noise {
             return None;
         }
         let mut scratch = Rows::zero(description.scratch_rows());
         let [mut dw, mut slope] =
             [description.layout.noise_rows, description.dimension].map(Rows::zero);
         dw[m] = [1.0; real::WIDTH];
-        let h = Weights { dw: &dw, ..Weights::NONE };
-        let mut field = |size: f64| {
+        let mut field = |t: f64, size: f64| {
             let d = description.dimension;
+            let h = Weights { t, dw: &dw, ..Weights::NONE };
             let y: Vec<f64> = (0..d).map(|i| size + 0.1 * i as f64).collect();
             let (y, mut field) = (Rows::splat(&y), Rows::zero(d));
             system.apply(Op::Gradient { y: &y }, 0..d, h, &mut slope, &mut scratch);
@@ -225,24 +234,33 @@ impl Baoab {
             system.apply(op, 0..d, Weights::NONE, &mut field, &mut scratch);
             field.iter().map(|row| row[0]).collect::<Vec<_>>()
         };
-        let [first, second] = POINTS.map(&mut field);
-        let moved: Vec<usize> = (0..first.len()).filter(|&i| first[i] != 0.0).collect();
-        let of = |all: &Vec<usize>| moved.iter().all(|i| all.contains(i));
-        let one = self.friction.iter().position(|(_, all)| of(all));
-        one.filter(|_| first == second)
+        let mut moved = Vec::new();
+        for t in TIMES {
+            let [first, second] = POINTS.map(|size| field(t, size));
+            if first != second {
+                return None;
+            }
+            moved.extend((0..first.len()).filter(|&i| first[i] != 0.0));
+        }
+        let mut all = Vec::new();
+        for (k, (_, components)) in self.friction.iter().enumerate() {
+            match moved.iter().filter(|i| components.contains(i)).count() {
+                0 => {}
+                count if count == moved.len() => all.push(k),
+                _ => return None,
+            }
+        }
+        Some(all)
     }
 }
 
-/// √((1 − e^{−2Γ})/2Γ)/d₂ with e^{−Γ} = d₁d₂: what makes the noise between two halves of friction
-/// exact.
-fn exact([first, second]: [f64; 2]) -> f64 {
-    let decay = first * second;
-    let integral = -ln(decay);
+/// √((1 − e^{−2Γ})/2Γ): what makes the noise after friction with the integral Γ exact.
+fn exact(integral: f64) -> f64 {
     let mean = match integral.abs() < 1e-4 {
         true => 1.0 - integral + integral * integral * (2.0 / 3.0),
-        false => (1.0 - decay * decay) / (2.0 * integral),
+        false => (1.0 - exp(-2.0 * integral)) / (2.0 * integral),
     };
-    mean.sqrt() / second
+    mean.sqrt()
 }
 
 /// Moves in turn.
@@ -261,9 +279,11 @@ struct CompositionStepper<'a> {
     friction: &'a Frictions,
     /// The factors of damping over both halves, and of each friction.
     factors: Vec<f64>,
-    /// The friction of what each noise moves, in whose middle it is made exact; empty where noises
-    /// are taken as they are.
-    own: Vec<Option<usize>>,
+    /// The frictions of what each noise moves, after which it is made exact; empty where noises are
+    /// taken as they are.
+    own: Vec<Vec<usize>>,
+    /// Integrals of friction over the step.
+    integrals: Vec<f64>,
     /// Whether a move reads space-time areas.
     reads_space_time: bool,
     /// Increments, and space-time areas after them, as programs read them.
@@ -317,6 +337,7 @@ impl<'a> CompositionStepper<'a> {
             friction,
             factors: vec![1.0; 2 + 2 * friction.len()],
             own: Vec::new(),
+            integrals: vec![0.0; friction.len()],
             reads_space_time,
             rows: Vec::new(),
         })
@@ -345,9 +366,14 @@ impl Stepper for CompositionStepper<'_> {
         if self.reads_space_time || !self.own.is_empty() {
             rows.clear();
             rows.extend_from_slice(&noise.increments);
+            if !self.own.is_empty() {
+                for (integral, (damping, _)) in self.integrals.iter_mut().zip(self.friction) {
+                    *integral = damping.integral(step.t, step.t + step.tau);
+                }
+            }
             for (row, own) in rows.iter_mut().zip(&self.own) {
-                let of = |k: usize| [0, 1].map(|half| factors[half] * factors[2 + 2 * k + half]);
-                let factor = own.map_or(1.0, |k| exact(of(k)));
+                let friction: f64 = own.iter().map(|&k| self.integrals[k]).sum();
+                let factor = exact(step.damping_integral() + friction);
                 row.iter_mut().for_each(|dw| *dw *= factor);
             }
             if self.reads_space_time {

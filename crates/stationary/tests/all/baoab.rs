@@ -101,6 +101,49 @@ fn a_free_momentum_has_the_exact_law() {
     }
 }
 
+/// The law of a momentum under several frictions with their noises, under damping of all
+/// components, and under a friction that nothing else would notice.
+#[test]
+fn all_that_damps_a_momentum_counts() {
+    let constant = |rate: f64| Arc::new(Constant::new(rate).unwrap()) as Arc<dyn Damping>;
+    let mut definition = texts("q p", &["1"], &format!("p^2/(2*{MASS})"), &[]);
+    // σ² = 2γmkT with the rates 4 and 9, 800 and 900.
+    for [a, b] in [[4.0, 9.0], [800.0, 900.0]] {
+        let size = |rate: f64| format!("{:?}*q", (2.0 * rate * MASS * KT).sqrt());
+        definition.noises = vec![size(a), size(b)];
+        let free = problem(&definition, &[0.0, 0.0], 1.0);
+        let baoab = Baoab::new([(constant(a), vec![1]), (constant(b), vec![1])]);
+        let setup = Setup::at_run_time(&free, &baoab).unwrap();
+        let tau = 0.5;
+        let mut paths = setup.scheme.start(&setup.start());
+        let step = Step::new(&Constant::new(0.0).unwrap(), 0, tau).unwrap();
+        let (mut noise, mut status) = (StepNoise::zero(2), BlockStatus::explicit());
+        (noise.increments[0][0], noise.increments[1][1]) = (tau.sqrt(), tau.sqrt());
+        paths.step(&step, &noise, &mut status);
+        let square: f64 = (0..2).map(|p| paths.state()[1][p].powi(2)).sum();
+        let exact = MASS * KT * -(-2.0 * (a + b) * tau).exp_m1();
+        assert!((square / exact - 1.0).abs() < 1e-12, "{square} {exact}");
+    }
+    // Damping of all components alone.
+    definition.noises = vec![format!("{:?}*q", (2.0 * RATE * MASS * KT).sqrt())];
+    let damped = Problem::new(
+        Arc::new(crate::system(&definition, &[0.0, 0.0])),
+        constant(RATE),
+        vec![0.0, 0.0],
+        1.0,
+    );
+    let damped = damped.unwrap();
+    let baoab = Baoab::default();
+    let setup = Setup::at_run_time(&damped, &baoab).unwrap();
+    let mut paths = setup.scheme.start(&setup.start());
+    let step = Step::new(damped.damping(), 0, 0.5).unwrap();
+    let (mut noise, mut status) = (StepNoise::zero(1), BlockStatus::explicit());
+    noise.increments[0][0] = 0.5f64.sqrt();
+    paths.step(&step, &noise, &mut status);
+    let exact = MASS * KT * -(-2.0 * RATE * 0.5).exp_m1();
+    assert!((paths.state()[1][0].powi(2) / exact - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn noises_that_do_not_commute_are_refused() {
     let mut definition = texts("x y z", &crate::BODY, crate::ENERGY, &[]);

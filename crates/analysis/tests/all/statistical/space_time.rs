@@ -217,6 +217,22 @@ fn wrong_areas_lose_the_order() {
     assert!(hi < 1.3, "{hi}");
 }
 
+/// Where H₀ has a part without a flow a step of `sexp` stands for it; what changes with time is
+/// refused.
+#[test]
+fn parts_without_flows_are_taken_and_drives_are_refused() {
+    let rest = ("q p", &PLANE[..], "p^2/2 + cos(q)*(1 + 0.2*sin(p*q))", &["0.3*q"][..]);
+    let case = case(("rest", 1.5), rest, Arc::new(constant(0.2)), &[(1, 0.4)], &[0.5, 0.3]);
+    let scheme = SplitH::of(case.problem.system(), case.friction.clone());
+    let found = measured(&case, &scheme, 1);
+    let (lo, hi) = interval(case.name, &found);
+    assert!(lo > 1.25 && hi < 2.2, "{found}");
+    let driven = texts("q p", &PLANE, "p^2/2 + q^2", &["0.5*sin(6*t)*q"]);
+    let driven = FormulaSystem::new(&driven, &[0.5, 0.3]).unwrap();
+    let error = SplitH::of(&driven, []).stepper(&driven).err().unwrap();
+    assert!(error.to_string().contains("depend on time"), "{error}");
+}
+
 /// Casimirs stay on their laws over 10⁵ steps of ½, at any step size: up to rounding in random
 /// directions, of 10⁻¹² for 4096 steps.
 #[test]

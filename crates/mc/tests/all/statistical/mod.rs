@@ -3,4 +3,5 @@
 mod dependence;
 pub mod judged;
 pub mod random_points;
+mod space_time;
 mod tails;
