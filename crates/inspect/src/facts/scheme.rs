@@ -2,7 +2,8 @@
 //! What each scheme does is in [`schemes::BuiltIn`].
 //!
 //! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
-//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` on a lattice in a bath. `heun` and `em` are for those who name them.
+//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` on a lattice in a
+//! bath. `heun` and `em` are for those who name them.
 
 use mc::Problem;
 use systems::run_time::System;
