@@ -150,13 +150,15 @@ impl Chains {
     /// while chains are spread: a rejection by H₀ is of order τ³, one by noises of order √τ,
     /// and where a chain stands still the step is too long for where it is.
     pub fn adapt(&mut self, dimension: usize, time: f64) {
-        let mut sums = [0.0; MORE];
-        let mut stands = false;
+        let (mut sums, mut moving, mut stands) = ([0.0; 2], 0, false);
         for block in &self.blocks {
             let rows = &block.states[0][dimension..];
-            sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row.iter().sum::<f64>());
-            // Not those whose energy is no number, which nothing moves.
-            stands |= (0..WIDTH).any(|p| rows[1][p] == 0.0 && rows[MORE - 1][p].is_finite());
+            // Nothing moves those whose energy is no number.
+            for p in (0..WIDTH).filter(|&p| rows[MORE - 1][p].is_finite()) {
+                moving += 1;
+                stands |= rows[1][p] == 0.0;
+                (0..2).for_each(|k| sums[k] += rows[1 + k][p]);
+            }
         }
         let (chains, is_spread) = (self.chains(), self.number < self.spread);
         if self.number == self.spread {
@@ -166,9 +168,9 @@ impl Chains {
             true => self.batch_steps,
             false => (self.spent - self.spent_before) / chains,
         };
-        let all = (steps * chains) as f64;
-        self.accepted = [sums[1] / all, sums[2] / all];
-        if is_spread {
+        let all = (steps * moving.max(1)) as f64;
+        self.accepted = sums.map(|sum| sum / all);
+        if is_spread && moving > 0 {
             let by_energy = exp(ln(REJECTED / (1.0 - self.accepted[0]).max(1e-9)) / 3.0);
             let by_noise = match self.accepted[1] {
                 0.0 => f64::INFINITY,

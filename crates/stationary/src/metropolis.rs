@@ -2,7 +2,7 @@
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{PathMask, Row, Rows, WIDTH, elementary::exp, golden};
+use real::{Row, Rows, WIDTH, elementary::exp, golden};
 use schemes::{About, Method, Step, Stepper};
 use systems::run_time::{Move, Program, System, Weights};
 
@@ -154,6 +154,8 @@ impl Method for Metropolis<'_> {
         if rows.len() == d {
             rows.extend([[0.0; WIDTH]; MORE]);
             rows[d] = [1.0; WIDTH];
+            // Not known before the first step.
+            rows[d + MORE - 1] = [f64::NAN; WIDTH];
         }
         let of_noise = (!self.walks.is_empty()).then(|| {
             let last = self.walks.len() - 1;
@@ -321,6 +323,7 @@ impl Stepper for Walk<'_> {
             more[1][p] += taken[p];
         }
         more[3] = energies[0];
-        status.failed = PathMask::NONE;
+        // Nothing moves a chain where H₀ is no number.
+        status.fail_where_not_finite(&energies[..1]);
     }
 }

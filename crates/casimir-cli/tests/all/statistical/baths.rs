@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use crate::common::{fails, json, succeeds, with_scene};
+use crate::common::{fails, json, run, succeeds, with_scene};
 
 const MISSES: f64 = 2.5;
 
@@ -315,4 +315,15 @@ fn averages_are_asked_for_without_ceremony() {
     assert!(off(&found, 0, 0.7) < MISSES, "{found:#}");
     let arguments = ["equilibrium", "scene.toml", "--of", "q^^2"];
     fails(folder.path(), &arguments, 2, &["--of: ", "missing before `^`"]);
+}
+
+/// A chain that begins where H₀ is no number fails, and nobody waits for it.
+#[test]
+fn chains_without_an_energy_fail() {
+    let log = "state = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"p^2/2 - ln(q) + q^2/2\"";
+    let bath = "[bath]\ntemperature = 1\nfriction = { p = 1 }";
+    let folder = with_scene(&scene(log, bath, "[\"1 + 0.6*z1\", 0]", "\"q\"", 0.05));
+    let output = run(folder.path(), &["equilibrium", "scene.toml", "--path-steps", "3e6"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.code() == Some(1) && text.contains("chains failed"), "{text}");
 }
