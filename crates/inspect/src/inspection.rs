@@ -26,6 +26,8 @@ pub struct Inspection {
     pub noises: usize,
     /// Whether the system is [of Langevin's kind](systems::run_time::Description::is_langevin).
     pub is_langevin: bool,
+    /// Whether flows of its parts are known at run time.
+    pub has_flows: bool,
     /// The region of the points at which identities were checked.
     pub region: Region,
     /// Number of points at which identities were checked, with those around the initial value.

@@ -166,6 +166,7 @@ pub fn inspect(
         dimension: description.dimension,
         noises: description.noises,
         is_langevin: description.is_langevin,
+        has_flows: description.parts.is_ok(),
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,

@@ -36,8 +36,9 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
         let expected = ExpectedOrder { scheme: id, strong, weak, known };
         ((areas || !scheme.is_for_areas()) && (exact_damping || finite_rates)).then_some(expected)
     };
-    let is_for_commuting = |scheme: &BuiltIn| [BuiltIn::Baoab, BuiltIn::SplitH].contains(scheme);
-    let is_sound = |scheme: &BuiltIn| !is_for_commuting(scheme) || noise.commute.holds();
+    let by_flows = |scheme: &BuiltIn| [BuiltIn::Baoab, BuiltIn::SplitH].contains(scheme);
+    let has_them = report.has_flows && noise.commute.holds();
+    let is_sound = |scheme: &BuiltIn| !by_flows(scheme) || has_them;
     BuiltIn::ALL.into_iter().filter(is_sound).filter_map(expected).collect()
 }
 
