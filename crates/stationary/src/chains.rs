@@ -191,8 +191,7 @@ impl Chains {
 
     /// Whether averages can be formed: when batches are full, and between.
     pub fn is_due(&self) -> bool {
-        let number = self.batches.len();
-        self.is_full() || self.doubled && number >= DUE && number.is_multiple_of(OFTEN)
+        self.is_full() || self.has_averages() && self.batches.len().is_multiple_of(OFTEN)
     }
 
     /// Whether chains that go on have averages.

@@ -4,7 +4,7 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows, WIDTH, elementary::exp, golden};
 use schemes::{About, Method, Step, Stepper};
-use systems::run_time::{Move, Program, System, Weights};
+use systems::run_time::{Move, Program, System, Weights, palindrome};
 
 use mc::{Friction, Problem};
 
@@ -128,11 +128,8 @@ impl<'a> Metropolis<'a> {
 
     /// The palindrome of flows of Hamiltonian number `only`, for a share of its time.
     fn flows_of(&self, only: usize, share: f64) -> impl Iterator<Item = Move> {
-        let last = self.flows.description().parts.as_ref().map_or(0, |parts| parts.number - 1);
-        (0..=last).chain((0..last).rev()).map(move |part| {
-            let noise = if part < last { 0.5 * share } else { share };
-            Move::Flow { part, drift: 0.0, noise, area: 0.0, only: Some(only) }
-        })
+        let parts = self.flows.description().parts.as_ref().map_or(1, |parts| parts.number);
+        palindrome(parts, [0.0, share, 0.0], Some(only))
     }
 
     fn program(&self, moves: impl Iterator<Item = Move>) -> Box<dyn Program> {

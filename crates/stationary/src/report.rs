@@ -170,13 +170,9 @@ impl Kept {
     }
 
     /// The number of chains with all step sizes that gives the least error for its cost.
-    fn wanted(&self, order: f64) -> f64 {
-        let [[weights, _], _] = ways(order);
-        let one = |n: usize| -> f64 {
-            let of = weights.iter().zip(&self.means).map(|(w, of)| w * of[n]);
-            of.sum::<f64>() - self.means[0][n]
-        };
-        let correction = moments((0..self.means[2].len()).map(one)).variance();
+    fn wanted(&self) -> f64 {
+        let one = |n: usize| self.means[LEVELS - 1][n] - self.means[0][n];
+        let correction = moments((0..self.means[LEVELS - 1].len()).map(one)).variance();
         let cost = f64::from((1 << LEVELS) - 2);
         let main = self.main(true).variance();
         self.means[0].len() as f64 * (correction / (main * cost)).sqrt()
@@ -239,7 +235,7 @@ impl Averages {
         let means = names.map(|((k, name), well)| {
             let kept = kept(k);
             if is_average && levels == LEVELS {
-                wanted = kept.wanted(settings.weak_order).max(wanted);
+                wanted = kept.wanted().max(wanted);
             }
             let mut mean = mean(&kept, settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();

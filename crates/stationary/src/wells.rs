@@ -3,7 +3,7 @@
 //! Chains begin with too much noise, so that they fall into all wells, but not as often as the
 //! stationary law has them. Where they do not cross, the chains that are in a well weigh it. An
 //! average that depends little on the well does not show this by itself. So components, sums of
-//! them and functions such as H₀ are watched, once in a batch at the main step size.
+//! them and functions such as H₀ are watched, once in a batch at the longest step.
 //!
 //! With the mean a of a watched function over the first quarter of the time that is kept and the
 //! mean b of an average over the rest, of each of n chains, z = r√(n − 1) with their correlation r

@@ -8,7 +8,7 @@ use real::{Row, Rows, elementary::exp};
 use systems::{
     Damping,
     probe::TRIPLE_JUMP,
-    run_time::{Description, Lanes, Move, Op, Parts, Program, System, Weights},
+    run_time::{Description, Lanes, Move, Op, Parts, Program, System, Weights, palindrome},
 };
 
 use super::{Scheme, SchemeError};
@@ -20,19 +20,6 @@ fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeEr
     parts.as_ref().map_err(|reason| SchemeError::parts(scheme, name, reason))
 }
 
-/// The flows of all parts: φ₀(½) ⋯ φ_{P−1}(½) φ_P(1) φ_{P−1}(½) ⋯ φ₀(½).
-fn symmetric(
-    parts: usize,
-    [drift, noise]: [f64; 2],
-    only: Option<usize>,
-) -> impl Iterator<Item = Move> {
-    let last = parts - 1;
-    (0..=last).chain((0..last).rev()).map(move |part| {
-        let share = if part < last { 0.5 } else { 1.0 };
-        Move::Flow { part, drift: share * drift, noise: share * noise, area: 0.0, only }
-    })
-}
-
 impl Scheme for Split {
     fn about(&self) -> About {
         About::new("split")
@@ -40,7 +27,7 @@ impl Scheme for Split {
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         let number = parts("split", system)?.number;
-        let flows = symmetric(number, [1.0, 1.0], None);
+        let flows = palindrome(number, [1.0, 1.0, 0.0], None);
         let moves = [Move::Scale(0)].into_iter().chain(flows).chain([Move::Scale(1)]);
         Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()], &[])?))
     }
@@ -61,21 +48,11 @@ fn parts_by_noise<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts,
 
 /// The flow of noise m for shares of its increment and its space-time area.
 fn noise(parts: &Parts, m: usize, [increment, area]: [f64; 2]) -> Vec<Move> {
-    let flow = |part: usize, share: f64| Move::Flow {
-        part,
-        drift: 0.0,
-        noise: share * increment,
-        area: share * area,
-        only: Some(m),
-    };
-    let triple = |&share: &f64| {
-        let last = parts.number - 1;
-        let half = move |part| if part < last { 0.5 * share } else { share };
-        (0..=last).chain((0..last).rev()).map(move |part| flow(part, half(part)))
-    };
+    let only = Some(m);
+    let all = |share: &f64| palindrome(parts.number, [0.0, share * increment, share * area], only);
     match parts.of_noise[m] {
-        Some(part) => vec![flow(part, 1.0)],
-        None => TRIPLE_JUMP.iter().flat_map(triple).collect(),
+        Some(part) => vec![Move::Flow { part, drift: 0.0, noise: increment, area, only }],
+        None => TRIPLE_JUMP.iter().flat_map(all).collect(),
     }
 }
 
@@ -87,7 +64,7 @@ impl Scheme for Nv {
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         let parts = parts_by_noise("nv", system)?;
         let noises = system.description().noises;
-        let half = || symmetric(parts.number, [0.5, 0.0], None);
+        let half = || palindrome(parts.number, [0.5, 0.0, 0.0], None);
         let moves = |order: Vec<usize>| -> Vec<Move> {
             let noises = order.into_iter().flat_map(|m| noise(parts, m, [1.0, 0.0]));
             let inner = [Move::Scale(0)].into_iter().chain(noises).chain([Move::Scale(1)]);

@@ -40,7 +40,7 @@ mod system;
 pub use compiled::Compiled;
 pub use derived::derived;
 pub use description::{Description, Lanes, Layout};
-pub use moves::{Move, Parts};
+pub use moves::{Move, Parts, palindrome};
 pub use op::{MAX_INPUTS, Op, Program, Recorded};
 pub use problem::Problem;
 pub use system::{InTime, System, Weights};

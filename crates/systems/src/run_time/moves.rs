@@ -40,3 +40,18 @@ pub enum Move {
         only: Option<usize>,
     },
 }
+
+/// The flows of all parts, φ₀(½) ⋯ φ_{P−1}(½) φ_P(1) φ_{P−1}(½) ⋯ φ₀(½), for shares of the
+/// weights of H₀, of the noises, and of their space-time areas.
+pub fn palindrome(
+    parts: usize,
+    [drift, noise, area]: [f64; 3],
+    only: Option<usize>,
+) -> impl Iterator<Item = Move> {
+    let last = parts - 1;
+    (0..=last).chain((0..last).rev()).map(move |part| {
+        let share = if part < last { 0.5 } else { 1.0 };
+        let [drift, noise, area] = [drift, noise, area].map(|of| share * of);
+        Move::Flow { part, drift, noise, area, only }
+    })
+}
