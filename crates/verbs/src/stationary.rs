@@ -161,12 +161,10 @@ fn average(
     let ((mut scheme, mut because), start) = (scheme(scene), Instant::now());
     let named = scene.settings.scheme != AUTO;
     // Unless a scheme is named, averages are exact where they can be.
-    let exact = match exponents {
-        None if !named => scene.model.metropolis(),
-        _ => Err("a scheme is named".into()),
-    };
+    let may_be_exact = exponents.is_none() && !named;
+    let exact = may_be_exact.then(|| scene.model.metropolis().ok()).flatten();
     let is_langevin = !scene.model.friction().is_empty();
-    if exact.is_err() && !named && is_langevin && scene.model.scheme(BuiltIn::Baoab).is_ok() {
+    if exact.is_none() && !named && is_langevin && scene.model.scheme(BuiltIn::Baoab).is_ok() {
         scheme = BuiltIn::Baoab.id().into();
         because = Some("friction and noise are one exact step, and its weak order is 2".into());
     }
@@ -188,12 +186,15 @@ fn average(
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
     let setup = scene.setup(&scheme)?;
     let mut equilibrium = match exact {
-        Ok(sampler) => {
+        Some(sampler) => {
             because = None;
             stationary::Equilibrium::exact(setup.problem, sampler, settings)
         }
-        Err(_) => stationary::Equilibrium::new(setup, settings),
+        None => stationary::Equilibrium::new(setup, settings),
     };
+    // That of exact averages is known by now.
+    let beta = equilibrium.beta.or_else(|| scene.model.bath()?.beta);
+    let kt = beta.map(|beta| 1.0 / beta);
     equilibrium.components.clone_from(&scene.components);
     (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
     // Unless some are named, all there are.
@@ -216,7 +217,6 @@ fn average(
             RunError::Ladder(error) => scene.steps_error(error).into(),
             error => scene.source.error(None, error).into(),
         })?;
-    let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
     let mut text = found.to_string();
     if let Some(because) = &because {
         text += &format!("{scheme}: {because}\n");
