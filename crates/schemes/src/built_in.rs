@@ -1,7 +1,8 @@
 //! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
 use BuiltIn::{
-    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, SplitH,
+    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpH, SexpLevy, SexpLi, SexpLiLevy, Split,
+    SplitH,
 };
 use systems::{Flows, PoissonSystem, run_time::System};
 
@@ -22,6 +23,8 @@ pub enum BuiltIn {
     Split,
     /// [`SplitH`](crate::SplitH), without friction on single components.
     SplitH,
+    /// [`SexpH`](crate::SexpH), without friction on single components.
+    SexpH,
     /// [`Nv`](crate::Nv).
     Nv,
     /// [`Baoab`](crate::Baoab), without friction on single components.
@@ -92,13 +95,14 @@ pub enum Energy {
 
 impl BuiltIn {
     /// All built-in schemes.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Sexp,
         SexpLevy,
         SexpLi,
         SexpLiLevy,
         Split,
         SplitH,
+        SexpH,
         Nv,
         Baoab,
         Midpoint,
@@ -162,6 +166,7 @@ impl BuiltIn {
             SplitH => {
                 Properties { id: "split-h", strong: StrongOrder::SpaceTime, weak: 2.0, ..flows }
             }
+            SexpH => Properties { id: "sexp-h", strong: StrongOrder::SpaceTime, weak: 2.0, ..sexp },
             Nv => Properties { id: "nv", weak: 2.0, ..flows },
             Baoab => Properties { id: "baoab", weak: 2.0, ..flows },
             Midpoint => Properties {
@@ -226,7 +231,7 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            Split | SplitH | Nv | Baoab => {
+            Split | SplitH | SexpH | Nv | Baoab => {
                 return Err(SchemeError::parts(
                     self.id(),
                     system.name(),
@@ -273,16 +278,9 @@ impl BuiltIn {
             (Nv, Ok(parts)) if parts.of_noise.len() == description.noises => {
                 Box::new(crate::Nv::default())
             }
-            (Baoab, Ok(_)) => {
-                let baoab = Box::new(crate::Baoab::default());
-                run_time::Scheme::stepper(&*baoab, system)?;
-                baoab
-            }
-            (SplitH, Ok(_)) => {
-                let split = Box::new(crate::SplitH::of(system, []));
-                run_time::Scheme::stepper(&*split, system)?;
-                split
-            }
+            (Baoab, Ok(_)) => fits(crate::Baoab::default(), system)?,
+            (SplitH, Ok(_)) => fits(crate::SplitH::of(system, []), system)?,
+            (SexpH, _) => fits(crate::SexpH::of(system, []), system)?,
             (Split | SplitH | Nv | Baoab, parts) => {
                 let reason = parts
                     .as_ref()
@@ -292,4 +290,13 @@ impl BuiltIn {
             }
         })
     }
+}
+
+/// The scheme, if it is for the system.
+fn fits<T: run_time::Scheme + 'static>(
+    scheme: T,
+    system: &dyn System,
+) -> Result<Box<dyn run_time::Scheme>, SchemeError> {
+    scheme.stepper(system)?;
+    Ok(Box::new(scheme))
 }

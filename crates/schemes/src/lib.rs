@@ -38,6 +38,7 @@
 //! | [`Nv`] | explicit, exponential, weak order 2 | 1 / ½ |
 //! | [`Baoab`] | explicit, exponential, weak order 2 | 1 / 1, of noises that commute |
 //! | [`SplitH`] | explicit, exponential, weak order 2 | 1.5 or 2, of noises that commute |
+//! | [`SexpH`] | implicit, exponential, weak order 2 | 1.5 or 2, of noises that commute |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
@@ -85,6 +86,6 @@ pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;
 pub use sexp_li::SexpLi;
 pub use split::Split;
-pub use split_h::SplitH;
+pub use split_h::{SexpH, SplitH};
 pub use step::{Step, StepError};
 pub use with_solver::WithSolver;

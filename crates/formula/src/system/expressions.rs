@@ -450,6 +450,17 @@ impl Expressions {
         })
     }
 
+    /// The components that each noise moves, if its field does not depend on y.
+    pub fn additive(&mut self) -> Vec<Option<Vec<usize>>> {
+        let fields = self.noise_fields();
+        let moved = |(_, field): (Sparse, Sparse)| {
+            let changes = field.into_iter().filter(|&(_, change)| !self.graph.is_zero(change));
+            let (moved, changes): (Vec<usize>, Vec<Id>) = changes.unzip();
+            self.reads(&changes).is_empty().then_some(moved)
+        };
+        fields.into_iter().map(moved).collect()
+    }
+
     /// Whether the fields of noises are constant, and the second derivatives of f₀ along them zero.
     pub fn is_langevin(&mut self, y0: &[f64]) -> bool {
         if !(1..=MAX_NOISES).contains(&self.noises) {

@@ -178,6 +178,7 @@ impl FormulaSystem {
             has_bath: !expressions.baths.is_empty(),
             jacobi_holds,
             noises_commute,
+            additive: expressions.additive(),
             is_langevin: expressions.is_langevin(y0),
             parts,
             ..Description::new(&definition.name, dimension, noises, rule)

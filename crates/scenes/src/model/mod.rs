@@ -16,7 +16,7 @@ use casimir::{
         Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, is_divergence_free, span,
     },
     mc::{Friction, Problem, Setup},
-    schemes::{Baoab, BuiltIn, Method, SchemeError, SplitH, run_time as run_time_schemes},
+    schemes::{Baoab, BuiltIn, Method, SchemeError, SexpH, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
     systems::{
         Linearity,
@@ -144,6 +144,7 @@ impl Model for AtRunTime {
             _ if self.friction.is_empty() => None,
             BuiltIn::Baoab => Some(Box::new(Baoab::new(own))),
             BuiltIn::SplitH => Some(Box::new(SplitH::of(system, own))),
+            BuiltIn::SexpH => Some(Box::new(SexpH::of(system, own))),
             _ => None,
         };
         if let Some(inside) = inside {

@@ -8,11 +8,11 @@ use real::{Row, Rows, elementary::exp};
 use systems::{
     Damping,
     probe::TRIPLE_JUMP,
-    run_time::{Description, Lanes, Move, Op, Parts, Program, System, Weights, palindrome},
+    run_time::{Description, Lanes, Move, Parts, Program, System, Weights, palindrome},
 };
 
 use super::{Scheme, SchemeError};
-use crate::{About, Baoab, Nv, Sexp, Split, SplitH, Step, Stepper, Sweep};
+use crate::{About, Baoab, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep};
 
 /// The parts of a system.
 fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
@@ -46,14 +46,26 @@ fn parts_by_noise<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts,
     }
 }
 
-/// The flow of noise m for shares of its increment and its space-time area.
-fn noise(parts: &Parts, m: usize, [increment, area]: [f64; 2]) -> Vec<Move> {
-    let only = Some(m);
-    let all = |share: &f64| palindrome(parts.number, [0.0, share * increment, share * area], only);
-    match parts.of_noise[m] {
-        Some(part) => vec![Move::Flow { part, drift: 0.0, noise: increment, area, only }],
-        None => TRIPLE_JUMP.iter().flat_map(all).collect(),
+/// The flow of noise m for shares of its increment and its space-time area. Where it is not known,
+/// symmetric steps `of` shares make it up.
+fn noise_by<I: IntoIterator<Item = Move>>(
+    part: Option<usize>,
+    m: usize,
+    [increment, area]: [f64; 2],
+    of: impl Fn([f64; 2]) -> I,
+) -> Vec<Move> {
+    match part {
+        Some(part) => vec![Move::Flow { part, drift: 0.0, noise: increment, area, only: Some(m) }],
+        None => TRIPLE_JUMP.iter().flat_map(|c| of([c * increment, c * area])).collect(),
     }
+}
+
+/// [`noise_by`] the flows of all parts.
+fn noise(parts: &Parts, m: usize, shares: [f64; 2]) -> Vec<Move> {
+    let all = |[increment, area]: [f64; 2]| {
+        palindrome(parts.number, [0.0, increment, area], Some(m)).collect::<Vec<_>>()
+    };
+    noise_by(parts.of_noise[m], m, shares, all)
 }
 
 impl Scheme for Nv {
@@ -109,12 +121,11 @@ fn drift(parts: &Parts, share: f64, backward: bool) -> impl Iterator<Item = Move
     })
 }
 
-/// The parts of a system whose noises commute.
-fn commuting<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
-    let parts = parts_by_noise(scheme, system)?;
+/// Refuses noises that do not commute.
+fn commuting(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     let Description { name, noises_commute, .. } = system.description();
     match noises_commute {
-        true => Ok(parts),
+        true => Ok(()),
         false => {
             let reason = "its noises do not commute; take nv";
             Err(SchemeError::parts(scheme, name, reason))
@@ -128,10 +139,13 @@ impl Scheme for Baoab {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        let parts = commuting("baoab", system)?;
+        let parts = parts_by_noise("baoab", system)?;
+        commuting("baoab", system)?;
         let noises = system.description().noises;
         let kicks = (0..noises).flat_map(|m| noise(parts, m, [1.0, 0.0]));
-        let own: Option<Vec<_>> = (0..noises).map(|m| self.frictions_of(system, m)).collect();
+        let additive = &system.description().additive;
+        let of = |m| frictions_of(&self.friction, additive.get(m));
+        let own: Option<Vec<_>> = (0..noises).map(of).collect();
         // Noises that are made exact come after friction, others in its middle.
         let [first, second] = [0, 1].map(|half| damp(&self.friction, half));
         let moves: Vec<Move> = drift(parts, 0.5, true).chain(first).collect();
@@ -146,89 +160,108 @@ impl Scheme for Baoab {
     }
 }
 
+/// Refuses a system that schemes with space-time areas have no order for.
+fn of_order(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
+    commuting(scheme, system)?;
+    let Description { name, depends_on_time, .. } = system.description();
+    match depends_on_time {
+        false => Ok(()),
+        true => {
+            let reason = "Hamiltonians depend on time, which costs it its order; take nv";
+            Err(SchemeError::parts(scheme, name, reason))
+        }
+    }
+}
+
+/// Damping of a half of the step, 0 or 1, around or beside H₀ for a share of the step.
+type Damped<'a> = &'a dyn Fn(f64, &[usize]) -> Vec<Move>;
+
+impl SplitH {
+    /// The moves of a step, from those of all noises for shares of increments and areas, and from a
+    /// step of H₀ for a share of the step with halves of the damping.
+    fn moves(&self, kicks: impl Fn(f64, f64) -> Vec<Move>, drift: Damped<'_>) -> Vec<Move> {
+        let delta = self.delta;
+        match delta == 0.0 {
+            true => [kicks(0.5, 1.0), drift(1.0, &[0, 1]), kicks(0.5, -1.0)].concat(),
+            false => [
+                kicks(0.5 - delta, 1.0),
+                drift(0.5, &[0]),
+                kicks(2.0 * delta, 0.0),
+                drift(0.5, &[1]),
+                kicks(0.5 - delta, -1.0),
+            ]
+            .concat(),
+        }
+    }
+}
+
 impl Scheme for SplitH {
     fn about(&self) -> About {
         About { reads_space_time: true, ..About::new("split-h") }
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        let parts = commuting("split-h", system)?;
-        if system.description().depends_on_time {
-            let reason = "Hamiltonians depend on time, which costs it its order; take nv";
-            return Err(SchemeError::parts("split-h", &system.description().name, reason));
-        }
+        let parts = parts_by_noise("split-h", system)?;
+        of_order("split-h", system)?;
         let noises = system.description().noises;
-        let kicks =
-            |increment, area| (0..noises).flat_map(move |m| noise(parts, m, [increment, area]));
-        let damp = |half| damp(&self.friction, half);
-        // A symmetric step of H₀ and damping over a half of the step, or over all of it.
-        let over = |half: usize| {
-            drift(parts, 0.25, false).chain(damp(half)).chain(drift(parts, 0.25, true))
+        let kicks = |increment, area| {
+            (0..noises).flat_map(|m| noise(parts, m, [increment, area])).collect()
         };
-        let delta = self.delta;
-        let moves: Vec<Move> = match delta == 0.0 {
-            true => kicks(0.5, 1.0)
-                .chain(drift(parts, 0.5, false))
-                .chain(damp(0))
-                .chain(damp(1))
-                .chain(drift(parts, 0.5, true))
-                .chain(kicks(0.5, -1.0))
-                .collect(),
-            false => kicks(0.5 - delta, 1.0)
-                .chain(over(0))
-                .chain(kicks(2.0 * delta, 0.0))
-                .chain(over(1))
-                .chain(kicks(0.5 - delta, -1.0))
-                .collect(),
+        let drift = |share: f64, halves: &[usize]| {
+            let damping = halves.iter().flat_map(|&half| damp(&self.friction, half));
+            let [there, back] = [false, true].map(|backward| drift(parts, 0.5 * share, backward));
+            there.chain(damping).chain(back).collect()
         };
+        let moves = self.moves(kicks, &drift);
         Ok(Box::new(CompositionStepper::new(system, vec![moves], &self.friction)?))
     }
 }
 
-/// States and times at which a noise is looked at.
-const POINTS: [f64; 2] = [0.3, 0.9];
-const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
-
-impl Baoab {
-    /// The frictions of all components that a constant noise moves; none if these differ, or if the
-    /// noise depends on the state.
-    fn frictions_of(&self, system: &dyn System, m: usize) -> Option<Vec<usize>> {
-        let description = system.description();
-        if description.layout.local_noise {
-            return None;
-        }
-        let mut scratch = Rows::zero(description.scratch_rows());
-        let [mut dw, mut slope] =
-            [description.layout.noise_rows, description.dimension].map(Rows::zero);
-        dw[m] = [1.0; real::WIDTH];
-        let mut field = |t: f64, size: f64| {
-            let d = description.dimension;
-            let h = Weights { t, dw: &dw, ..Weights::NONE };
-            let y: Vec<f64> = (0..d).map(|i| size + 0.1 * i as f64).collect();
-            let (y, mut field) = (Rows::splat(&y), Rows::zero(d));
-            system.apply(Op::Gradient { y: &y }, 0..d, h, &mut slope, &mut scratch);
-            let op = Op::Structure::<&[Row]> { y: &y, v: &slope };
-            system.apply(op, 0..d, Weights::NONE, &mut field, &mut scratch);
-            field.iter().map(|row| row[0]).collect::<Vec<_>>()
-        };
-        let mut moved = Vec::new();
-        for t in TIMES {
-            let [first, second] = POINTS.map(|size| field(t, size));
-            if first != second {
-                return None;
-            }
-            moved.extend((0..first.len()).filter(|&i| first[i] != 0.0));
-        }
-        let mut all = Vec::new();
-        for (k, (_, components)) in self.friction.iter().enumerate() {
-            match moved.iter().filter(|i| components.contains(i)).count() {
-                0 => {}
-                count if count == moved.len() => all.push(k),
-                _ => return None,
-            }
-        }
-        Some(all)
+impl Scheme for SexpH {
+    fn about(&self) -> About {
+        About { reads_space_time: true, clips_increments: self.clips, ..About::new("sexp-h") }
     }
+
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        of_order("sexp-h", system)?;
+        let Description { noises, parts, .. } = system.description();
+        // One more part: all of the system, without a flow.
+        let (number, of_noise) =
+            parts.as_ref().map_or((0, &[][..]), |parts| (parts.number, &parts.of_noise[..]));
+        let whole = |drift, [noise, area]: [f64; 2], only| {
+            [Move::Flow { part: number, drift, noise, area, only }]
+        };
+        let kick = |m: usize, shares| {
+            let part = of_noise.get(m).copied().flatten();
+            noise_by(part, m, shares, |shares| whole(0.0, shares, Some(m)))
+        };
+        let kicks =
+            |increment, area| (0..*noises).flat_map(|m| kick(m, [increment, area])).collect();
+        let drift = |share: f64, halves: &[usize]| {
+            let damping = |of: usize| halves.iter().filter(move |&&half| half == of);
+            let damping = |of| damping(of).flat_map(|&half| damp(&self.path.friction, half));
+            damping(0).chain(whole(share, [0.0; 2], None)).chain(damping(1)).collect()
+        };
+        let moves = self.path.moves(kicks, &drift);
+        let rest = (number, Scheme::stepper(&Sexp, system)?);
+        let friction = &self.path.friction;
+        Ok(Box::new(CompositionStepper::with_rest(system, vec![moves], friction, Some(rest))))
+    }
+}
+
+/// The frictions of all components that an additive noise moves; none if these differ, or if the
+/// noise depends on the state.
+fn frictions_of(friction: &Frictions, noise: Option<&Option<Vec<usize>>>) -> Option<Vec<usize>> {
+    let moved = noise?.as_ref()?;
+    let mut all = Vec::new();
+    for (k, (_, components)) in friction.iter().enumerate() {
+        match moved.iter().filter(|i| components.contains(i)).count() {
+            0 => {}
+            count if count == moved.len() => all.push(k),
+            _ => return None,
+        }
+    }
+    Some(all)
 }
 
 /// √((1 − e^{−2Γ})/2Γ): what makes the noise after friction with the integral Γ exact.
@@ -245,8 +278,8 @@ struct CompositionStepper<'a> {
     system: &'a dyn System,
     /// The pieces of a step; steps take them in turn.
     steps: Vec<Vec<Piece>>,
-    /// The part without a flow.
-    rest: Option<Box<dyn Stepper + 'a>>,
+    /// The part without a flow, and what stands for it.
+    rest: Option<(usize, Box<dyn Stepper + 'a>)>,
     state: Rows,
     /// The result of a program; empty where there is none.
     next: Rows,
@@ -276,16 +309,27 @@ enum Piece {
 }
 
 impl<'a> CompositionStepper<'a> {
+    /// Of a system whose last part may have no flow.
     fn new(
         system: &'a dyn System,
         steps: Vec<Vec<Move>>,
         friction: &'a Frictions,
     ) -> Result<Self, SchemeError> {
-        let description = system.description();
         let rest = system.rest().map(|rest| Scheme::stepper(&Sexp, rest)).transpose()?;
-        let last = description.parts.as_ref().map_or(0, |parts| parts.number - 1);
-        let is_rest =
-            |one: &Move| rest.is_some() && matches!(one, Move::Flow { part, .. } if *part == last);
+        let last = system.description().parts.as_ref().map_or(0, |parts| parts.number - 1);
+        Ok(Self::with_rest(system, steps, friction, rest.map(|rest| (last, rest))))
+    }
+
+    /// With the number of the part without a flow, and what stands for it.
+    fn with_rest(
+        system: &'a dyn System,
+        steps: Vec<Vec<Move>>,
+        friction: &'a Frictions,
+        rest: Option<(usize, Box<dyn Stepper + 'a>)>,
+    ) -> Self {
+        let description = system.description();
+        let last = rest.as_ref().map(|(part, _)| *part);
+        let is_rest = |one: &Move| matches!(one, Move::Flow { part, .. } if Some(*part) == last);
         let pieces = |moves: &[Move]| match system.compose(moves) {
             Some(program) => vec![Piece::Program(program)],
             None => moves.iter().copied().map(Piece::Move).collect(),
@@ -303,7 +347,7 @@ impl<'a> CompositionStepper<'a> {
         let steps: Vec<_> = steps.into_iter().map(step).collect();
         let is_program = |piece: &Piece| matches!(piece, Piece::Program(_));
         let next = if steps.iter().flatten().any(is_program) { description.layout.rows } else { 0 };
-        Ok(Self {
+        Self {
             system,
             steps,
             rest,
@@ -317,7 +361,7 @@ impl<'a> CompositionStepper<'a> {
             integrals: vec![0.0; friction.len()],
             reads_space_time,
             rows: Vec::new(),
-        })
+        }
     }
 }
 
@@ -393,14 +437,14 @@ impl Stepper for CompositionStepper<'_> {
                     let dw = if is_whole { noise } else { &*part_of_noise };
                     let dt = *drift * step.tau;
                     match rest {
-                        Some(rest) => {
+                        Some((last, rest)) if last == part => {
                             rest.state_mut().copy_from_slice(state);
                             rest.step(&step.undamped(dt), dw, status);
                             state.copy_from_slice(rest.state());
                             // Stays so until the end of the step.
                             status.failed.paths().for_each(|p| state[0][p] = f64::NAN);
                         }
-                        None => {
+                        _ => {
                             let h = Weights { t, dt, dw: &dw.increments, ..Weights::NONE };
                             system.flow(*part, state, h, scratch);
                         }

@@ -123,6 +123,9 @@ pub struct Description {
     /// Whether the noises were shown to commute, see [`noises_commute`](crate::noises_commute), so
     /// that no areas are needed.
     pub noises_commute: bool,
+    /// For each noise the components that fₘ moves, if fₘ does not depend on y; `None` if it does,
+    /// and empty if nothing is known.
+    pub additive: Vec<Option<Vec<usize>>>,
     /// Whether the fields fₘ of the noises are constant, and the second derivatives of f₀ along
     /// them zero, as in Langevin dynamics.
     pub is_langevin: bool,
@@ -156,6 +159,7 @@ impl Description {
             invariants: Vec::new(),
             jacobi_holds: false,
             noises_commute: noises < 2,
+            additive: Vec::new(),
             is_langevin: false,
             has_guard: false,
             own_scratch_rows: 0,

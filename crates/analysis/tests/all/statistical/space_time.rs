@@ -1,9 +1,9 @@
-//! Strong order 1.5 and 2 of `split-h`, what it keeps, and schemes that read wrong areas.
+//! Strong order 1.5 and 2 of `split-h` and `sexp-h`, what they keep, and schemes that read wrong areas.
 //!
 //! Intervals of 1 − 10⁻⁶ of the slope between step sizes have the order in them, and no other
 //! multiple of ½.
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use analysis::{Order, StepSizes, strong_order};
 use formula::FormulaSystem;
@@ -12,12 +12,12 @@ use noise::{StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{
-    About, SplitH, Step, Stepper,
+    About, SexpH, SplitH, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::{
-    Constant, Cosine, Damping,
-    run_time::{Description, Move, Op, Problem, Program, System, Weights},
+    Cosine, Damping,
+    run_time::{Problem, System},
 };
 
 use crate::{SPIN, constant, texts};
@@ -56,7 +56,7 @@ fn spin() -> Case {
     case(("spin", 1.5), spin, Arc::new(constant(0.0)), &[], &[0.6, 0.0, 0.8])
 }
 
-fn cases() -> [Case; 8] {
+fn cases() -> [Case; 9] {
     let none = || Arc::new(constant(0.0));
     let cosine = || Arc::new(Cosine::new(0.5, 2.0).unwrap());
     let well = ("q p", &PLANE[..], "p^2/2 + (q^2 - 1)^2", &["1.2*q"][..]);
@@ -67,6 +67,10 @@ fn cases() -> [Case; 8] {
         &["0.9*q1", "0.6*q2"][..],
     );
     let light = ("x y z", &["-z y", "0"][..], "x^2/2 + z", &["0.6*z"][..]);
+    let sines = "sin(x) + sin(y) + sin(z)";
+    let noise = format!("0.4*({sines})");
+    // f₁ is a multiple of f₀, so that the order is two.
+    let poisson = ("x y z", &["1 -1", "1"][..], sines, &[noise.as_str()][..]);
     let kubo = ("q p", &PLANE[..], "(q^2 + p^2)/2", &["0.5*q^2"][..]);
     [
         case(
@@ -95,6 +99,7 @@ fn cases() -> [Case; 8] {
         ),
         case(("light", 1.5), light, Arc::new(constant(0.2)), &[], &[1.0, 0.5, 0.8]),
         case(("oscillator", 1.5), kubo, none(), &[], &[0.8, 0.3]),
+        case(("poisson", 2.0), poisson, cosine(), &[], &[0.5, 0.3, -0.4]),
     ]
 }
 
@@ -112,14 +117,31 @@ fn interval(name: &str, order: &Order) -> (f64, f64) {
     rate.interval(CONFIDENCE)
 }
 
+/// Asserts the order of a case.
+fn has_order(case: &Case, name: &str, scheme: &dyn Scheme) {
+    let found = measured(case, scheme, 1);
+    let (lo, hi) = interval(&format!("{} {name}", case.name), &found);
+    let near = lo <= case.order + 0.02 && hi >= case.order - 0.02;
+    assert!(near && lo > case.order - 0.25 && hi < case.order + 0.25, "{}: {found}", case.name);
+}
+
 #[test]
 fn split_h_has_strong_order_two_or_one_and_a_half() {
     for case in cases() {
         let scheme = SplitH::of(case.problem.system(), case.friction.clone());
-        let found = measured(&case, &scheme, 1);
-        let (lo, hi) = interval(case.name, &found);
-        let near = lo <= case.order + 0.02 && hi >= case.order - 0.02;
-        assert!(near && lo > case.order - 0.25 && hi < case.order + 0.25, "{}: {found}", case.name);
+        has_order(&case, "split-h", &scheme);
+    }
+}
+
+/// With flows of the noise, and without: those of x²y are not known.
+#[test]
+fn sexp_h_has_strong_order_two_or_one_and_a_half() {
+    let cubic = ("x y z", &SPIN[..], "0.8*z^2 - 0.5*x", &["0.7*z + 0.3*x^2*y"][..]);
+    let cubic = case(("cubic", 1.5), cubic, Arc::new(constant(0.2)), &[], &[0.6, 0.0, 0.8]);
+    let few = [1, 5].map(|k| cases().into_iter().nth(k).unwrap());
+    for case in few.into_iter().chain([cubic]) {
+        let scheme = SexpH::of(case.problem.system(), case.friction.clone());
+        has_order(&case, "sexp-h", &scheme);
     }
 }
 
@@ -154,31 +176,6 @@ impl Stepper for ChangedStepper<'_> {
     }
 }
 
-/// Formulas that are said to be of Langevin's kind, so that δ = 0.
-struct Straight(FormulaSystem, Description);
-
-impl System for Straight {
-    fn description(&self) -> &Description {
-        &self.1
-    }
-    fn apply(
-        &self,
-        op: Op<&[Row]>,
-        tile: Range<usize>,
-        h: Weights<'_>,
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        self.0.apply(op, tile, h, out, scratch);
-    }
-    fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
-        self.0.compose(moves)
-    }
-    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
-        self.0.energy(y, h, out, scratch);
-    }
-}
-
 #[test]
 fn wrong_areas_lose_the_order() {
     let turned = |noise: &mut StepNoise| {
@@ -203,16 +200,8 @@ fn wrong_areas_lose_the_order() {
         }
     }
     // Without δ a spin has order one.
-    let straight = {
-        let spin = texts("x y z", &SPIN, "0.8*z^2 - 0.5*x", &["0.7*z"]);
-        let system = FormulaSystem::new(&spin, &[0.6, 0.0, 0.8]).unwrap();
-        let description = Description { is_langevin: true, ..system.description().clone() };
-        Straight(system, description)
-    };
-    let of = Constant::new(0.0).unwrap();
-    let problem = Problem::new(Arc::new(straight), Arc::new(of), vec![0.6, 0.0, 0.8], 1.0).unwrap();
-    let case = Case { problem, ..spin() };
-    let scheme = SplitH::of(case.problem.system(), []);
+    let case = spin();
+    let scheme = SplitH { delta: 0.0, ..SplitH::of(case.problem.system(), []) };
     let (_, hi) = interval("  spin, one drift", &measured(&case, &scheme, 1));
     assert!(hi < 1.3, "{hi}");
 }
@@ -233,33 +222,55 @@ fn parts_without_flows_are_taken_and_drives_are_refused() {
     assert!(error.to_string().contains("depend on time"), "{error}");
 }
 
-/// Casimirs stay on their laws over 10⁵ steps of ½, at any step size: up to rounding in random
+/// A Casimir or an energy stays on its law over many steps of ½ up to rounding in random
 /// directions, of 10⁻¹² for 4096 steps.
+fn stays(case: &Case, scheme: &dyn Scheme, steps: u64, degree: f64, value: fn(&[f64]) -> f64) {
+    let tau: f64 = 0.5;
+    let setup = Setup::at_run_time(&case.problem, scheme).unwrap();
+    let mut paths = setup.scheme.start(&setup.start());
+    let mut noise = setup.scheme.no_noise(1);
+    let key = StreamKey { seed: 1, experiment: 0 };
+    let mut wiener = WienerRows::new(key, 0);
+    let mut status = BlockStatus::explicit();
+    for n in 0..steps {
+        wiener.increments(tau.sqrt(), &mut noise.increments);
+        wiener.increments((tau / 12.0).sqrt(), &mut noise.space_time);
+        let step = Step::new(case.problem.damping(), n, tau).unwrap();
+        paths.step(&step, &noise, &mut status);
+    }
+    let integral = case.problem.damping().integral(0.0, tau * steps as f64);
+    let law = value(case.problem.y0()) * (-degree * integral).exp();
+    let allowed = 1e-12 * (steps as f64 / 4096.0).sqrt();
+    for p in 0..WIDTH {
+        let y: Vec<f64> = paths.state().iter().map(|row| row[p]).collect();
+        let ratio = value(&y) / law;
+        assert!((ratio - 1.0).abs() < allowed, "{}, path {p}: {}", case.name, ratio - 1.0);
+    }
+}
+
+fn body(noise: &str) -> Case {
+    let cosine = Arc::new(Cosine::new(0.5, 2.0).unwrap());
+    case(("body", 1.5), ("x y z", &SPIN, BODY, &[noise]), cosine, &[], &[0.6, 0.0, 0.8])
+}
+
+const SQUARE: fn(&[f64]) -> f64 = |y| y.iter().map(|y| y * y).sum();
+
 #[test]
 fn casimirs_stay_on_their_laws() {
-    const STEPS: u64 = 100_000;
-    let tau: f64 = 0.5;
-    let cosine = Cosine::new(0.5, 2.0).unwrap();
-    let body = ("x y z", &SPIN[..], BODY, &["0.4*y^2"][..]);
-    for case in [spin(), case(("body", 1.5), body, Arc::new(cosine), &[], &[0.6, 0.0, 0.8])] {
+    for case in [spin(), body("0.4*y^2")] {
         let scheme = SplitH::of(case.problem.system(), []);
-        let setup = Setup::at_run_time(&case.problem, &scheme).unwrap();
-        let mut paths = setup.scheme.start(&setup.start());
-        let mut noise = setup.scheme.no_noise(1);
-        let key = StreamKey { seed: 1, experiment: 0 };
-        let mut wiener = WienerRows::new(key, 0);
-        let mut status = BlockStatus::explicit();
-        for n in 0..STEPS {
-            wiener.increments(tau.sqrt(), &mut noise.increments);
-            wiener.increments((tau / 12.0).sqrt(), &mut noise.space_time);
-            let step = Step::new(case.problem.damping(), n, tau).unwrap();
-            paths.step(&step, &noise, &mut status);
-        }
-        let law = (-2.0 * case.problem.damping().integral(0.0, tau * STEPS as f64)).exp();
-        let allowed = 1e-12 * (STEPS as f64 / 4096.0).sqrt();
-        for p in 0..WIDTH {
-            let square: f64 = paths.state().iter().map(|row| row[p] * row[p]).sum();
-            assert!((square / law - 1.0).abs() < allowed, "{}: {}", case.name, square / law);
-        }
+        stays(&case, &scheme, 100_000, 2.0, SQUARE);
     }
+}
+
+/// `sexp-h` keeps a homogeneous energy on its law with one noise H₁ = cH₀, whose flow is not known.
+#[test]
+fn sexp_h_keeps_energies() {
+    let noise = format!("0.2*{BODY}");
+    let case = body(&noise);
+    let scheme = SexpH::of(case.problem.system(), []);
+    stays(&case, &scheme, 10_000, 2.0, |y| {
+        (y[0] * y[0] / 2.0 + y[1] * y[1] + 1.5 * y[2] * y[2]) / 2.0
+    });
+    stays(&case, &scheme, 10_000, 2.0, SQUARE);
 }
