@@ -12,12 +12,14 @@ pub struct Noise<const M: usize> {
     /// The skew matrix of Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m), in time; zero if none are
     /// drawn. The iterated Stratonovich integrals ∫∫ ∘dW_m ∘dW_l are ½ΔW_mΔW_l + A_ml.
     pub areas: [[f64; M]; M],
+    /// Space-time areas H_m as in [`StepNoise::space_time`]; zero if none are drawn.
+    pub space_time: [f64; M],
 }
 
 impl<const M: usize> Noise<M> {
-    /// Increments with zero areas, the mean of the areas given the increments.
+    /// Increments with zero areas of all kinds, their means given the increments.
     pub fn increments(increments: [f64; M]) -> Self {
-        Self { increments, areas: [[0.0; M]; M] }
+        Self { increments, areas: [[0.0; M]; M], space_time: [0.0; M] }
     }
 }
 
@@ -77,6 +79,7 @@ impl StepNoise {
         for m in 0..if self.areas.is_empty() { 0 } else { M } {
             (m + 1..M).for_each(|l| self.areas[m * M + l][p] = noise.areas[m][l]);
         }
+        self.space_time.iter_mut().zip(noise.space_time).for_each(|(row, h)| row[p] = h);
     }
 
     /// Replaces the noise of all paths by that of `other`, which has equal numbers of rows.
@@ -133,6 +136,8 @@ pub struct BlockNoise<'a, const M: usize> {
     pub increments: &'a [Row; M],
     /// The M² rows of Lévy areas as in [`StepNoise::areas`]; none if no areas are drawn.
     pub areas: &'a [Row],
+    /// The M rows of space-time areas; none if none are drawn.
+    pub space_time: &'a [Row],
 }
 
 impl<'a, const M: usize> BlockNoise<'a, M> {
@@ -141,7 +146,7 @@ impl<'a, const M: usize> BlockNoise<'a, M> {
 
     /// Increments without areas.
     pub fn increments(increments: &'a [Row; M]) -> Self {
-        Self { increments, areas: &[] }
+        Self { increments, areas: &[], space_time: &[] }
     }
 
     /// The areas as a matrix of rows; zeros if none are drawn.
@@ -159,7 +164,10 @@ impl<'a, const M: usize> BlockNoise<'a, M> {
     /// The noise of path `p`.
     #[inline(always)]
     pub fn path(&self, p: usize) -> Noise<M> {
-        Noise { increments: path(self.increments, p), areas: skew(&self.area_rows(), p) }
+        let mut space_time = [0.0; M];
+        space_time.iter_mut().zip(self.space_time).for_each(|(h, row)| *h = row[p]);
+        let areas = skew(&self.area_rows(), p);
+        Noise { increments: path(self.increments, p), areas, space_time }
     }
 }
 
@@ -180,6 +188,7 @@ pub fn skew<const M: usize, const L: usize>(rows: &[&[[f64; L]; M]; M], p: usize
 impl<'a, const M: usize> From<&'a StepNoise> for BlockNoise<'a, M> {
     #[inline]
     fn from(noise: &'a StepNoise) -> Self {
-        Self { increments: exactly(&noise.increments), areas: &noise.areas }
+        let StepNoise { increments, areas, space_time, .. } = noise;
+        Self { increments: exactly(increments), areas, space_time }
     }
 }

@@ -133,8 +133,8 @@ pub struct RunTable {
     /// Number of steps on [0, T].
     pub steps: At<Count>,
     /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`,
-    /// `sexp-li`, `split`, `split-h`, `sexp-h`, `sexp-levy`, `sexp-li-levy`, `nv`, `baoab`, `midpoint`,
-    /// `heun` or `em`. Default: `auto`.
+    /// `sexp-li`, `split`, `split-h`, `sexp-h`, `sexp-levy`, `sexp-li-levy`, `nv`, `baoab`,
+    /// `midpoint`, `heun` or `em`. Default: `auto`.
     pub scheme: Option<At<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
     /// of all paths. Default: 1.

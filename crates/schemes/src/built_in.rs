@@ -231,12 +231,13 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            Split | SplitH | SexpH | Nv | Baoab => {
-                return Err(SchemeError::parts(
-                    self.id(),
-                    system.name(),
-                    "its flows are not known",
-                ));
+            SexpH | Baoab => {
+                let reason = "the scheme is for systems known at run time, such as formulas";
+                return Err(SchemeError::not_for(self.id(), system.name(), reason));
+            }
+            Split | SplitH | Nv => {
+                let reason = "its flows are not known";
+                return Err(SchemeError::parts(self.id(), system.name(), reason));
             }
         })
     }
@@ -253,6 +254,8 @@ impl BuiltIn {
         match self {
             Split => Ok(Box::new(crate::Split)),
             Nv => Ok(Box::new(crate::Nv::default())),
+            SplitH if systems::noises_commute(system, y0) => Ok(Box::new(crate::SplitH::new([]))),
+            SplitH => Err(SchemeError::not_for("split-h", system.name(), DO_NOT_COMMUTE)),
             _ => self.compiled(system, y0),
         }
     }
@@ -291,6 +294,9 @@ impl BuiltIn {
         })
     }
 }
+
+/// Why a scheme is refused.
+pub const DO_NOT_COMMUTE: &str = "its noises do not commute; take nv";
 
 /// The scheme, if it is for the system.
 fn fits<T: run_time::Scheme + 'static>(

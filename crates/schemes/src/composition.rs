@@ -3,9 +3,9 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Kernel, WIDTH, dispatch, path, unrolled};
-use systems::Flows;
+use systems::{Flows, probe::TRIPLE_JUMP};
 
-use crate::{About, Nv, Scheme, Split, Step};
+use crate::{About, Nv, Scheme, Split, SplitH, Step};
 
 /// A scheme that moves paths by flows and numbers, one after the other.
 ///
@@ -35,6 +35,9 @@ pub trait Composition<S, const D: usize, const M: usize>: Send + Sync {
     /// Identifier in results.
     const ID: &'static str;
 
+    /// Whether it reads space-time areas.
+    const READS_SPACE_TIME: bool = false;
+
     /// Advances N paths by one step. Mark it `#[inline(always)]` and avoid closures: only inlined
     /// code is vectorised.
     fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>);
@@ -53,6 +56,8 @@ pub struct Composed<C>(pub C);
 pub struct Paths<'a, S, const D: usize, const M: usize, const N: usize> {
     system: &'a S,
     increments: [[f64; N]; M],
+    /// None if none are drawn.
+    space_time: &'a [[f64; N]],
     y: [[f64; N]; D],
 }
 
@@ -68,6 +73,8 @@ pub struct Times {
 enum Noises {
     None,
     One(usize),
+    /// With a share of the space-time area, too.
+    WithArea(usize, f64),
     All,
 }
 
@@ -90,11 +97,21 @@ impl Times {
         Self { dt: 0.0, noises: Noises::One(m), share: 1.0 }
     }
 
+    /// Shares of the increment and of the space-time area of noise `m`, without time.
+    #[inline(always)]
+    pub fn with_area(m: usize, [increment, area]: [f64; 2]) -> Self {
+        Self { dt: 0.0, noises: Noises::WithArea(m, area), share: increment }
+    }
+
     /// A share of these times.
     #[inline(always)]
     #[must_use]
     pub fn times(self, share: f64) -> Self {
-        Self { dt: share * self.dt, share: share * self.share, ..self }
+        let noises = match self.noises {
+            Noises::WithArea(m, area) => Noises::WithArea(m, share * area),
+            noises => noises,
+        };
+        Self { dt: share * self.dt, share: share * self.share, noises }
     }
 }
 
@@ -106,6 +123,14 @@ impl<S, const D: usize, const M: usize, const N: usize> Paths<'_, S, D, M, N> {
             for p in 0..N {
                 self.y[i][p] *= factor;
             }
+        }
+    }
+
+    /// Multiplies one component by a number.
+    #[inline(always)]
+    pub fn scale_one(&mut self, component: usize, factor: f64) {
+        for p in 0..N {
+            self.y[component][p] *= factor;
         }
     }
 }
@@ -137,6 +162,27 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
         });
     }
 
+    /// The flows of all parts once, from the first to the last or backward.
+    #[inline(always)]
+    pub(crate) fn in_turn(&mut self, times: Times, backward: bool) {
+        unrolled!(f64: k in 0..S::PARTS => {
+            self.flow(if backward { S::PARTS - 1 - k } else { k }, times);
+        });
+    }
+
+    /// The flow of noise m, precise or by a triple jump, for times without those of others.
+    #[inline(always)]
+    pub(crate) fn noise(&mut self, m: usize, times: Times) {
+        match S::NOISE_PARTS[m] {
+            Some(part) => self.precise_flow(part, times),
+            None => {
+                for share in TRIPLE_JUMP {
+                    self.symmetric(times.times(share));
+                }
+            }
+        }
+    }
+
     /// Each flow is a loop of its own, since one with all flows of a step is not vectorised.
     #[inline(always)]
     fn part<const PRECISE: bool>(&mut self, part: usize, times: Times) {
@@ -151,6 +197,9 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
             match times.noises {
                 Noises::None => {}
                 Noises::One(m) => dw[m] = times.share * self.increments[m][p],
+                Noises::WithArea(m, area) => {
+                    dw[m] = times.share * self.increments[m][p] + area * self.space_time[m][p];
+                }
                 Noises::All => {
                     for m in 0..M {
                         dw[m] = times.share * self.increments[m][p];
@@ -187,7 +236,8 @@ impl<C: Composition<S, D, M>, S, const D: usize, const M: usize> Kernel
     fn run(self) {
         let Self { composition, system, step, noise, y, status } = self;
         let increments = *noise.increments;
-        let mut paths: Paths<'_, S, D, M, WIDTH> = Paths { system, increments, y: y.0 };
+        let space_time = noise.space_time;
+        let mut paths: Paths<'_, S, D, M, WIDTH> = Paths { system, increments, space_time, y: y.0 };
         composition.compose(&step, &mut paths);
         y.0 = paths.y;
         *status = BlockStatus::explicit();
@@ -202,7 +252,10 @@ macro_rules! composed {
             Scheme<S, D, M> for $scheme
         {
             fn about(&self) -> About {
-                About::new(<$inner as Composition<S, D, M>>::ID)
+                About {
+                    reads_space_time: <$inner as Composition<S, D, M>>::READS_SPACE_TIME,
+                    ..About::new(<$inner as Composition<S, D, M>>::ID)
+                }
             }
 
             fn step_block(
@@ -226,7 +279,8 @@ macro_rules! composed {
             fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
                 let $this = self;
                 let (increments, y) = (noise.increments.map(|dw| [dw]), y.map(|y| [y]));
-                let mut paths: Paths<'_, S, D, M, 1> = Paths { system, increments, y };
+                let space_time = &noise.space_time.map(|h| [h]);
+                let mut paths: Paths<'_, S, D, M, 1> = Paths { system, increments, space_time, y };
                 $composition.compose(step, &mut paths);
                 let z = paths.y.map(|[y]| y);
                 Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
@@ -238,3 +292,4 @@ macro_rules! composed {
 composed!([C] Composed<C>, C, this => &this.0);
 composed!([] Split, Split, this => this);
 composed!([] Nv, Nv, this => this);
+composed!([] SplitH, SplitH, this => this);

@@ -15,6 +15,12 @@ impl SchemeError {
         ))
     }
 
+    /// The scheme is not for the system, for this reason.
+    #[must_use]
+    pub fn not_for(scheme: &str, system: &str, reason: &str) -> Self {
+        Self(format!("{scheme} is not for `{system}`: {reason}"))
+    }
+
     /// The system has no parts with flows.
     pub(crate) fn parts(scheme: &str, system: &str, reason: &str) -> Self {
         Self(format!(

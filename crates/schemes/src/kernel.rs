@@ -133,7 +133,7 @@ impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Bl
     fn path(&self, p: usize) -> Self::Path {
         let Self { formula, system, step, noise, ref areas, y } = *self;
         let areas = if F::READS_AREAS { skew(areas, p) } else { [[0.0; M]; M] };
-        let noise = Noise { increments: path(noise.increments, p), areas };
+        let noise = Noise { areas, ..Noise::increments(path(noise.increments, p)) };
         let y = y.path(p);
         let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
         Equation { formula, system, step, noise, start }

@@ -1,7 +1,7 @@
 //! Weak order two: flows of the Hamiltonians, one by one.
 
 use real::unrolled;
-use systems::{Flows, probe::TRIPLE_JUMP};
+use systems::Flows;
 
 use crate::{Composition, Paths, Scheme, Step, Times};
 
@@ -66,9 +66,9 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for Nv
         paths.scale(step.first_decay);
         // Numbers of noises are constants, so that each loop over paths has one flow.
         if M > 1 && self.sweep.is_backward(step) {
-            unrolled!(f64: k in 0..M => { noise(paths, M - 1 - k); });
+            unrolled!(f64: k in 0..M => { paths.noise(M - 1 - k, Times::noise(M - 1 - k)); });
         } else {
-            unrolled!(f64: m in 0..M => { noise(paths, m); });
+            unrolled!(f64: m in 0..M => { paths.noise(m, Times::noise(m)); });
         }
         paths.scale(step.second_decay);
         paths.symmetric(half);
@@ -76,21 +76,5 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for Nv
 
     fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
         Some([Sweep::Forward, Sweep::Backward].map(|sweep| Box::new(Self { sweep }) as _))
-    }
-}
-
-/// The flow of Hₘ for the time ΔWₘ.
-#[inline(always)]
-fn noise<S: Flows<D, M>, const D: usize, const M: usize, const N: usize>(
-    paths: &mut Paths<'_, S, D, M, N>,
-    m: usize,
-) {
-    match S::NOISE_PARTS[m] {
-        Some(part) => paths.precise_flow(part, Times::noise(m)),
-        None => {
-            for share in TRIPLE_JUMP {
-                paths.symmetric(Times::noise(m).times(share));
-            }
-        }
     }
 }

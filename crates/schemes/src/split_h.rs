@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use real::unrolled;
 use systems::{
-    Damping,
+    Damping, Flows,
     run_time::{Description, System},
 };
 
-/// Splitting of strong order 1.5 or 2 for noises that commute, `split-h`, for systems known at run
-/// time.
+use crate::{Composition, Paths, Step, Times};
+
+/// Splitting of strong order 1.5 or 2 for noises that commute, `split-h`.
 ///
 /// With the space-time areas H, τ(½ΔW + H) = ∫W ds, the flow N(w) of Σ wₘHₘ, a symmetric step D(t)
 /// of H₀ with exact damping, and δ = ΔW/√6,
@@ -51,7 +53,53 @@ impl SplitH {
     }
 }
 
-/// The same path as [`SplitH`] with the step of [`Sexp`](crate::Sexp) without noise for each D,
+impl SplitH {
+    /// The flow of all noises for shares of increments and areas.
+    #[inline(always)]
+    fn kick<S: Flows<D, M>, const D: usize, const M: usize, const N: usize>(
+        paths: &mut Paths<'_, S, D, M, N>,
+        shares: [f64; 2],
+    ) {
+        unrolled!(f64: m in 0..M => { paths.noise(m, Times::with_area(m, shares)); });
+    }
+
+    /// All damping of a half of the step, 0 or 1.
+    #[inline(always)]
+    fn damp<S, const D: usize, const M: usize, const N: usize>(
+        &self,
+        step: &Step,
+        half: u64,
+        paths: &mut Paths<'_, S, D, M, N>,
+    ) {
+        paths.scale([step.first_decay, step.second_decay][half as usize]);
+        for (damping, components) in &self.friction {
+            let decay = step.decay(&**damping, half);
+            components.iter().for_each(|&i| paths.scale_one(i, decay));
+        }
+    }
+}
+
+impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for SplitH {
+    const ID: &'static str = "split-h";
+    const READS_SPACE_TIME: bool = true;
+
+    #[inline(always)]
+    fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>) {
+        let (delta, quarter) = (self.delta, Times::drift(0.25 * step.tau));
+        Self::kick(paths, [0.5 - delta, 1.0]);
+        for half in 0..2 {
+            paths.in_turn(quarter, false);
+            self.damp(step, half, paths);
+            paths.in_turn(quarter, true);
+            if half == 0 {
+                Self::kick(paths, [2.0 * delta, 0.0]);
+            }
+        }
+        Self::kick(paths, [0.5 - delta, -1.0]);
+    }
+}
+
+/// Scheme along the path of [`SplitH`] with the step of [`Sexp`](crate::Sexp) without noise for each D,
 /// `sexp-h`, for systems known at run time: H₀ needs no flows. A noise whose flow is not known is a
 /// triple jump of the noise step of [`Sexp`](crate::Sexp).
 ///

@@ -143,7 +143,14 @@ impl<S, const D: usize> Run<S, D> {
                         });
                     }
                     let increments = dw.map(|w| w.clamp(-self.bound, self.bound));
-                    y = scheme.step(&self.system, step, &Noise { increments, areas }, y).z;
+                    y = scheme
+                        .step(
+                            &self.system,
+                            step,
+                            &Noise { areas, ..Noise::increments(increments) },
+                            y,
+                        )
+                        .z;
                 }
                 path += 1;
                 black_box(y)

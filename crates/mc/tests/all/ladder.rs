@@ -89,7 +89,7 @@ fn join(first: &Noise<3>, second: &Noise<3>) -> Noise<3> {
             (first.areas[i][j] + second.areas[i][j]) + 0.5 * wedge
         })
     });
-    Noise { increments: std::array::from_fn(|m| v[m] + w[m]), areas }
+    Noise { areas, ..Noise::increments(std::array::from_fn(|m| v[m] + w[m])) }
 }
 
 /// The final state of one path at 2^level finest steps a step, by hand: fine increments summed
@@ -109,7 +109,7 @@ fn by_hand(
     let mut area_noise = AreaPath::<3>::new(KEY, path, terms);
     let draw = |_| {
         let increments = wiener.increments(fine_tau.sqrt());
-        Noise { increments, areas: area_noise.areas(fine_tau, increments) }
+        Noise { areas: area_noise.areas(fine_tau, increments), ..Noise::increments(increments) }
     };
     let mut noises: Vec<Noise<3>> = (0..steps).map(draw).collect();
     for _ in 0..level {
@@ -133,6 +133,7 @@ fn by_hand(
         let clipped = Noise {
             increments: noise.increments.map(|w| w.clamp(-bound, bound)),
             areas: noise.areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound))),
+            space_time: [0.0; 3],
         };
         y = scheme.step(problem.system(), &step, &clipped, y).z;
     }

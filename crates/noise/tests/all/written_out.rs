@@ -78,7 +78,7 @@ pub fn written_out<const M: usize>(
             let increments = noise.path::<M>(p).increments;
             let areas = areas(normals, terms, knobs, increments.map(|w| w / step.sqrt()));
             let areas = areas.map(|row| row.map(|a| a * step / TAU));
-            noise.set_path(p, &Noise { increments, areas });
+            noise.set_path(p, &Noise { areas, ..Noise::increments(increments) });
         }
     }
 }

@@ -144,7 +144,12 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
-        let scheme = S::scheme(scheme, self.problem.system(), self.problem.y0())?;
+        let (system, y0) = (self.problem.system(), self.problem.y0());
+        if scheme == BuiltIn::SplitH && !self.friction.is_empty() {
+            let reason = "friction on components costs it its order here; write formulas";
+            return Err(SchemeError::not_for(scheme.id(), system.name(), reason));
+        }
+        let scheme = S::scheme(scheme, system, y0)?;
         Ok(Friction::around(bind_owned(&self.problem, scheme), &self.friction))
     }
 

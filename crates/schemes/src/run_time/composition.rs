@@ -12,7 +12,9 @@ use systems::{
 };
 
 use super::{Scheme, SchemeError};
-use crate::{About, Baoab, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep};
+use crate::{
+    About, Baoab, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep, built_in::DO_NOT_COMMUTE,
+};
 
 /// The parts of a system.
 fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
@@ -126,10 +128,7 @@ fn commuting(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     let Description { name, noises_commute, .. } = system.description();
     match noises_commute {
         true => Ok(()),
-        false => {
-            let reason = "its noises do not commute; take nv";
-            Err(SchemeError::parts(scheme, name, reason))
-        }
+        false => Err(SchemeError::not_for(scheme, name, DO_NOT_COMMUTE)),
     }
 }
 
@@ -168,7 +167,7 @@ fn of_order(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
         false => Ok(()),
         true => {
             let reason = "Hamiltonians depend on time, which costs it its order; take nv";
-            Err(SchemeError::parts(scheme, name, reason))
+            Err(SchemeError::not_for(scheme, name, reason))
         }
     }
 }
@@ -309,7 +308,7 @@ enum Piece {
 }
 
 impl<'a> CompositionStepper<'a> {
-    /// Of a system whose last part may have no flow.
+    /// Moves of a system whose last part may have no flow.
     fn new(
         system: &'a dyn System,
         steps: Vec<Vec<Move>>,
@@ -320,7 +319,7 @@ impl<'a> CompositionStepper<'a> {
         Ok(Self::with_rest(system, steps, friction, rest.map(|rest| (last, rest))))
     }
 
-    /// With the number of the part without a flow, and what stands for it.
+    /// Moves beside the number of a part without a flow, and what stands for it.
     fn with_rest(
         system: &'a dyn System,
         steps: Vec<Vec<Move>>,

@@ -61,7 +61,7 @@ impl SideBySide {
             for p in 0..WIDTH {
                 let areas = [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next()));
                 let increments = drawn.path(p).increments;
-                drawn.set_path(p, &Noise::<M> { increments, areas });
+                drawn.set_path(p, &Noise { areas, ..Noise::increments(increments) });
             }
             let noise = BlockNoise::from(&drawn);
             scheme.step_block(system, &step, &noise, &mut block, &mut status);

@@ -23,7 +23,7 @@ impl Visit for NothingToAdd {
             let y = any_state(&mut numbers, system, y0);
             let none = Noise::increments(dw);
             let without = sexp.step(system, &step, &none, y).z;
-            let with = stepper.step(system, &step, &Noise { increments: dw, areas }, y).z;
+            let with = stepper.step(system, &step, &Noise { areas, ..Noise::increments(dw) }, y).z;
             assert_eq!(stepper.step(system, &step, &none, y).z, without);
             assert_eq!(with == without, levy.commuting(), "{}", system.name());
             assert_eq!([&stepper, &li].map(|x| x.about().reads_areas), [!levy.commuting(); 2]);
@@ -72,7 +72,7 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
             round = sexp.step(&Rotations, &step, &Noise::increments(side), round).z;
         }
         let areas = [[0.0, h * h], [-h * h, 0.0]];
-        let noise = Noise { increments: [0.0; 2], areas };
+        let noise = Noise { areas, ..Noise::increments([0.0; 2]) };
         let at_once = levy.step(&Rotations, &step, &noise, y0).z;
         let without_iteration = li.step(&Rotations, &step, &noise, y0).z;
         // Terms of order h³ and on are left out: half of them for each of the four corners is less

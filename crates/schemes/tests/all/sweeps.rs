@@ -122,7 +122,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
                 let allowed =
                     derived(start, |z| map(midpoint, (system, step), (dw, drawn), start, z));
                 let areas = drawn.unwrap_or([[0.0; M]; M]);
-                let noise = Noise { increments: dw.map(|w| stretch * w), areas };
+                let noise = Noise { areas, ..Noise::increments(dw.map(|w| stretch * w)) };
                 let solution = scheme.step(system, step, &noise, y);
                 let sweeps = match solution.outcome {
                     Outcome::Fast { iterations } => {

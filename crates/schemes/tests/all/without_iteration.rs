@@ -36,7 +36,7 @@ fn largest_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
             true => any_areas(&mut numbers, step.tau),
             false => [[0.0; M]; M],
         };
-        let solution = scheme.step(system, &step, &Noise { increments: dw, areas }, y);
+        let solution = scheme.step(system, &step, &Noise { areas, ..Noise::increments(dw) }, y);
         if !solution.outcome.converged() {
             unsolved += 1;
             continue;
@@ -189,7 +189,7 @@ fn a_step_with_a_constant_structure_is_that_by_hand() {
     let plus = |a: [f64; 2], b: [f64; 2], s: f64| [a[0] + s * b[0], a[1] + s * b[1]];
     let (tau, dw, area) = (0.1, [0.3, -0.2], 0.05);
     let step = Step::new(&damping, 0, tau).unwrap();
-    let noise = Noise { increments: dw, areas: [[0.0, area], [-area, 0.0]] };
+    let noise = Noise { areas: [[0.0, area], [-area, 0.0]], ..Noise::increments(dw) };
     let start = y0.map(|y| y * (-0.03f64).exp());
     let middle = plus(start, field(gradient(start, tau, dw)), 0.5);
     let end = plus(start, field(gradient(middle, tau, dw)), 1.0);

@@ -16,7 +16,7 @@ use schemes::{
     run_time::{Scheme, SchemeError},
 };
 use systems::{
-    Cosine, Damping,
+    Cosine, Damping, Pendulum, Problem as CompiledProblem, RigidBody,
     run_time::{Problem, System},
 };
 
@@ -103,11 +103,14 @@ fn cases() -> [Case; 9] {
     ]
 }
 
-fn measured(case: &Case, scheme: &dyn Scheme, seed: u64) -> Order {
-    let setup = Setup::at_run_time(&case.problem, scheme).unwrap();
-    let key = StreamKey { seed, experiment: 3 };
+fn measured(case: &Case, scheme: &dyn Scheme) -> Order {
+    found(&Setup::at_run_time(&case.problem, scheme).unwrap())
+}
+
+fn found(setup: &Setup<'_>) -> Order {
+    let key = StreamKey { seed: 1, experiment: 3 };
     let sizes = StepSizes::new(16, Truncation::new(4).unwrap(), key);
-    strong_order(&setup, &StepSizes { samples: 4 * sizes.samples, ..sizes }).unwrap()
+    strong_order(setup, &StepSizes { samples: 4 * sizes.samples, ..sizes }).unwrap()
 }
 
 /// The interval of the slope, which is printed with that of 95 %.
@@ -117,12 +120,15 @@ fn interval(name: &str, order: &Order) -> (f64, f64) {
     rate.interval(CONFIDENCE)
 }
 
-/// Asserts the order of a case.
+/// Asserts an order: no other multiple of ½.
+fn assert_order(name: &str, found: &Order, order: f64) {
+    let (lo, hi) = interval(name, found);
+    let near = lo <= order + 0.02 && hi >= order - 0.02;
+    assert!(near && lo > order - 0.25 && hi < order + 0.25, "{name}: {found}");
+}
+
 fn has_order(case: &Case, name: &str, scheme: &dyn Scheme) {
-    let found = measured(case, scheme, 1);
-    let (lo, hi) = interval(&format!("{} {name}", case.name), &found);
-    let near = lo <= case.order + 0.02 && hi >= case.order - 0.02;
-    assert!(near && lo > case.order - 0.25 && hi < case.order + 0.25, "{}: {found}", case.name);
+    assert_order(&format!("{} {name}", case.name), &measured(case, scheme), case.order);
 }
 
 #[test]
@@ -131,6 +137,21 @@ fn split_h_has_strong_order_two_or_one_and_a_half() {
         let scheme = SplitH::of(case.problem.system(), case.friction.clone());
         has_order(&case, "split-h", &scheme);
     }
+}
+
+/// Compiled for a system, with friction inside.
+#[test]
+fn split_h_is_compiled_for_flows() {
+    let cosine = || Cosine::new(0.5, 2.0).unwrap();
+    let body = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 0.7).unwrap();
+    let body = CompiledProblem::new(body, cosine(), [0.6, 0.0, 0.8], 1.0).unwrap();
+    let order = found(&Setup::of(&body, &SplitH::new([])));
+    assert_order("compiled body", &order, 1.5);
+    let friction = [(Arc::new(constant(0.8)) as Arc<dyn Damping>, vec![1])];
+    let pendulum = Pendulum::new(0.4).unwrap();
+    let pendulum = CompiledProblem::new(pendulum, cosine(), [0.5, 0.3], 1.0).unwrap();
+    let order = found(&Setup::of(&pendulum, &SplitH::new(friction)));
+    assert_order("compiled pendulum", &order, 1.5);
 }
 
 /// With flows of the noise, and without: those of x²y are not known.
@@ -194,15 +215,14 @@ fn wrong_areas_lose_the_order() {
     for case in [spin(), cases().into_iter().nth(1).unwrap()] {
         for (name, change) in twins {
             let scheme = Changed(SplitH::of(case.problem.system(), case.friction.clone()), change);
-            let (_, hi) =
-                interval(&format!("  {}, {name}", case.name), &measured(&case, &scheme, 1));
+            let (_, hi) = interval(&format!("  {}, {name}", case.name), &measured(&case, &scheme));
             assert!(hi < 1.3, "{} {name}: {hi}", case.name);
         }
     }
     // Without δ a spin has order one.
     let case = spin();
     let scheme = SplitH { delta: 0.0, ..SplitH::of(case.problem.system(), []) };
-    let (_, hi) = interval("  spin, one drift", &measured(&case, &scheme, 1));
+    let (_, hi) = interval("  spin, one drift", &measured(&case, &scheme));
     assert!(hi < 1.3, "{hi}");
 }
 
@@ -213,7 +233,7 @@ fn parts_without_flows_are_taken_and_drives_are_refused() {
     let rest = ("q p", &PLANE[..], "p^2/2 + cos(q)*(1 + 0.2*sin(p*q))", &["0.3*q"][..]);
     let case = case(("rest", 1.5), rest, Arc::new(constant(0.2)), &[(1, 0.4)], &[0.5, 0.3]);
     let scheme = SplitH::of(case.problem.system(), case.friction.clone());
-    let found = measured(&case, &scheme, 1);
+    let found = measured(&case, &scheme);
     let (lo, hi) = interval(case.name, &found);
     assert!(lo > 1.25 && hi < 2.2, "{found}");
     let driven = texts("q p", &PLANE, "p^2/2 + q^2", &["0.5*sin(6*t)*q"]);

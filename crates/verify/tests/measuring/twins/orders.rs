@@ -114,7 +114,7 @@ pub fn scaled_areas(conditions: &Conditions, factor: f64) -> Claim {
 pub fn fresh_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |step, noise| {
         for p in 0..WIDTH {
-            let Noise { increments, mut areas } = noise.path::<3>(p);
+            let Noise { increments, mut areas, .. } = noise.path::<3>(p);
             let [a, b, c] = increments.map(f64::to_bits);
             let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
             let mut normals = WienerPath::<3>::new(key, 0);
@@ -123,7 +123,7 @@ pub fn fresh_areas(conditions: &Conditions) -> Claim {
                 let deviation = (step.tau * (step.tau + squares) / 12.0).sqrt();
                 areas[m][l] = deviation * normals.normal();
             }
-            noise.set_path(p, &Noise { increments, areas });
+            noise.set_path(p, &Noise { areas, ..Noise::increments(increments) });
         }
     })
 }
