@@ -99,9 +99,9 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for Sp
     }
 }
 
-/// Scheme along the path of [`SplitH`] with the step of [`Sexp`](crate::Sexp) without noise for each D,
-/// `sexp-h`, for systems known at run time: H₀ needs no flows. A noise whose flow is not known is a
-/// triple jump of the noise step of [`Sexp`](crate::Sexp).
+/// Scheme along the path of [`SplitH`] with the step of [`Sexp`](crate::Sexp) without noise for
+/// each D, `sexp-h`, for systems known at run time: H₀ needs no flows. A noise whose flow is not
+/// known is a triple jump of the noise step of [`Sexp`](crate::Sexp).
 ///
 /// - Orders: those of [`SplitH`].
 /// - Preserves the conformal laws of linear and quadratic Casimirs; a homogeneous H₀ with one noise
