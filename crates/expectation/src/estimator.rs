@@ -47,8 +47,10 @@ const MAX_HALVINGS: usize = 22;
 const MAX_DIMENSIONS: u64 = 1 << 16;
 
 /// Source of the increments of the points of all scrambles. A path has the number of its replicate
-/// times [`ScrambledSobol::POINTS`], plus that of its point.
+/// times [`ScrambledSobol::POINTS`], plus that of its point. With space-time areas the increments a
+/// and b of two halves of a step make ΔW = a + b and H = (a − b)/√12.
 fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoise {
+    let size = (1.0f64 / 12.0).sqrt();
     move |first_path| {
         let wiener = &scrambles[(first_path / ScrambledSobol::POINTS) as usize];
         let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
@@ -57,6 +59,14 @@ fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoi
         Box::new(move |noise| {
             noise.increments.copy_from_slice(&increments[next..next + noises]);
             next += noises;
+            if !noise.space_time.is_empty() {
+                let rows = noise.increments.as_flattened_mut().iter_mut();
+                let second = increments[next..next + noises].as_flattened();
+                for ((dw, b), h) in rows.zip(second).zip(noise.space_time.as_flattened_mut()) {
+                    (*dw, *h) = (*dw + b, size * (*dw - b));
+                }
+                next += noises;
+            }
         })
     }
 }
@@ -118,8 +128,7 @@ impl<'a> Estimator<'a> {
         let Setup { problem, scheme } = &candidate.setup;
         let settings = &request.expect.settings;
         let noisy = problem.noises > 0 || problem.initial.is_some();
-        let about = scheme.about();
-        let reads_more = about.reads_areas || about.reads_space_time;
+        let reads_areas = scheme.about().reads_areas;
         let halvings = MAX_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
@@ -132,7 +141,7 @@ impl<'a> Estimator<'a> {
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             drive: DriveResolution::new(problem),
             noisy,
-            sobol: problem.noises > 0 && !settings.random_points && !reads_more,
+            sobol: problem.noises > 0 && !settings.random_points && !reads_areas,
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
@@ -382,9 +391,12 @@ impl<'a> Estimator<'a> {
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
         let ladder = Ladder::of(problem, steps, levels, truncation, (key, family), runs)?;
         let mut ladder = ladder.fitting(GROUP_PATHS * self.replicates)?.telling(counted);
-        if self.sobol && steps.saturating_mul(problem.noises as u64) <= MAX_DIMENSIONS {
+        // Two normals for each step and noise with space-time areas.
+        let reads_two = self.candidate.setup.scheme.about().reads_space_time;
+        let pieces = if reads_two { steps.saturating_mul(2) } else { steps };
+        if self.sobol && pieces.saturating_mul(problem.noises as u64) <= MAX_DIMENSIONS {
             let key = key.beside(family);
-            let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
+            let wiener = QuasiWiener::new(key, 0, pieces, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
             let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));
             ladder = ladder.with_noise(points(scrambles.collect(), problem.noises));

@@ -5,6 +5,7 @@ use std::time::Instant;
 use casimir::{
     expectation::{self, Estimate, ExpectSettings, WarningKind},
     mc::Observe,
+    schemes::BuiltIn,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -123,6 +124,8 @@ fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Optio
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
+            let known = BuiltIn::named(&scheme).filter(|_| !scene.collects());
+            with.weak_order = known.map(|scheme| scheme.properties().weak);
             let setup = scene.collecting(scene.setup(&scheme)?);
             (expectation::Expect::with_scheme(setup), because)
         }
