@@ -28,6 +28,8 @@ pub struct Inspection {
     pub is_langevin: bool,
     /// Whether flows of its parts are known at run time.
     pub has_flows: bool,
+    /// Whether Hamiltonians depend on time.
+    pub depends_on_time: bool,
     /// The region of the points at which identities were checked.
     pub region: Region,
     /// Number of points at which identities were checked, with those around the initial value.

@@ -167,6 +167,7 @@ pub fn inspect(
         noises: description.noises,
         is_langevin: description.is_langevin,
         has_flows: description.parts.is_ok(),
+        depends_on_time: description.depends_on_time,
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,

@@ -36,9 +36,13 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
         let expected = ExpectedOrder { scheme: id, strong, weak, known };
         ((areas || !scheme.is_for_areas()) && (exact_damping || finite_rates)).then_some(expected)
     };
-    let by_flows = |scheme: &BuiltIn| [BuiltIn::Baoab, BuiltIn::SplitH].contains(scheme);
-    let has_them = report.has_flows && noise.commute.holds();
-    let is_sound = |scheme: &BuiltIn| !by_flows(scheme) || has_them;
+    let (commute, constant) = (noise.commute.holds(), !report.depends_on_time);
+    let is_sound = |scheme: &BuiltIn| match scheme {
+        BuiltIn::Baoab => report.has_flows && commute,
+        BuiltIn::SplitH => report.has_flows && commute && constant,
+        BuiltIn::SexpH => commute && constant,
+        _ => true,
+    };
     BuiltIn::ALL.into_iter().filter(is_sound).filter_map(expected).collect()
 }
 

@@ -39,6 +39,12 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// The rates and components, as schemes take them that have friction inside.
+    pub fn inside(friction: &[Self]) -> Vec<(Arc<dyn Damping>, Vec<usize>)> {
+        let of = |one: &Self| (Arc::clone(&one.damping), one.components.clone());
+        friction.iter().map(of).collect()
+    }
+
     /// Puts a method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
         if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }

@@ -92,6 +92,7 @@ pub use large_path::LargePath;
 pub use memory::{MemoryError, demand};
 pub use observable::{Observable, Observe, StateFunction, add_rows, value_at};
 pub use parallel::in_parallel;
+pub use run_time::bind_at_run_time;
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Role, Simulation, TimeSeries, quoted, write_csv};
 pub use tree::Node;

@@ -78,18 +78,28 @@ impl<'a> Setup<'a> {
         problem: &'a run_time::Problem,
         scheme: impl Deref<Target: Scheme> + Send + Sync + 'a,
     ) -> Result<Self, SchemeError> {
-        let system = problem.system();
-        let description = system.description();
-        if description.layout.lanes == Lanes::Components {
-            return Err(SchemeError(format!(
-                "rows of `{}` hold one path: take `mc::LargePath`, or the layout for many paths",
-                description.name
-            )));
-        }
-        scheme.stepper(system)?;
-        let scheme = Arc::new(Bound { system, scheme });
+        let scheme = bind_at_run_time(problem.system(), scheme)?;
         Ok(Self { problem: Problem::at_run_time(problem), scheme })
     }
+}
+
+/// A scheme on a system, both known at run time.
+///
+/// # Errors
+/// Those of [`Setup::at_run_time`].
+pub fn bind_at_run_time<'a>(
+    system: &'a dyn System,
+    scheme: impl Deref<Target: Scheme> + Send + Sync + 'a,
+) -> Result<Arc<dyn Method + 'a>, SchemeError> {
+    let description = system.description();
+    if description.layout.lanes == Lanes::Components {
+        return Err(SchemeError(format!(
+            "rows of `{}` hold one path: take `mc::LargePath`, or the layout for many paths",
+            description.name
+        )));
+    }
+    scheme.stepper(system)?;
+    Ok(Arc::new(Bound { system, scheme }))
 }
 
 /// A scheme on a system, both known at run time.

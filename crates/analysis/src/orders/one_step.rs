@@ -6,6 +6,9 @@
 //! add up faster. Steps cost little, so τ can be as small as rounding allows: far below the step
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
+//!
+//! Eδ is computed without sampling, by a cubature of degree five over the normals of both halves:
+//! exact for terms below τ³, which is all that q = 2 asks for.
 
 use mc::Setup;
 use noise::{AreaSampler, Purpose, StepNoise, StreamKey, WienerRows};
@@ -24,16 +27,30 @@ pub struct OneStep {
     pub tau: f64,
     /// Factor of the noise over that of the problem.
     pub amplification: f64,
+    /// Order of the mean |Eδ|, where q = 2 leaves two strong orders; `None` if it is not known.
+    pub mean: Option<f64>,
 }
 
 impl OneStep {
     /// Strong orders that a one-step order q allows.
     ///
     /// Errors of q = k + ½ are odd in the noise, for a smooth scheme, and have no mean: q − ½.
-    /// Those of integer q may have one: q − 1 or q − ½. With q = 1, q − 1 is no convergence.
+    /// Those of integer q may have one: q − 1 with a mean of order q, else q − ½. With q = 1, q − 1
+    /// is no convergence.
     pub fn strong_orders(&self) -> impl Iterator<Item = f64> {
-        let mean = (self.order > 1.0 && self.order.fract() == 0.0).then_some(self.order - 1.0);
-        mean.into_iter().chain([self.order - 0.5])
+        let (order, falls) = (self.order, self.mean.is_some_and(|mean| mean > self.order));
+        let least = (order > 1.0 && order.fract() == 0.0 && !falls).then_some(order - 1.0);
+        let most = self.mean.is_none_or(|mean| mean > order).then_some(order - 0.5);
+        least.into_iter().chain(most)
+    }
+
+    /// With the order of the mean, from squares |Eδ|², where it tells two orders apart.
+    #[must_use]
+    pub fn with_mean(self, t_end: f64, sizes: &StepSizes, squares_of: &mut SquaresOf<'_>) -> Self {
+        match self.order == OF_CUBATURE {
+            true => Self { mean: least_order(t_end, sizes, squares_of).map(|q| q.order), ..self },
+            false => self,
+        }
     }
 }
 
@@ -47,14 +64,109 @@ const ROUND_OFF: f64 = 3e-14;
 /// Tolerance of the exponents of the last two pairs of scales to a multiple of ½: a tenth of the
 /// distance.
 const TOLERANCE: f64 = 0.05;
+/// Order of one step whose mean the cubature has right up to the next order.
+const OF_CUBATURE: f64 = 2.0;
+/// Number of states from which means are computed.
+const FEW_VISITS: usize = 8;
+/// Largest number of noises for which means are computed.
+const MAX_NOISES: usize = 4;
 
 /// Smallest order that one step of a scheme shows with the noise of the problem or an amplified
 /// one, from the states `visits` at their times; `None` if the order is not clear.
 pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<OneStep> {
-    let mut steps = Steps::new(setup);
-    least_order(setup.problem.t_end, sizes, &mut |tau, amplifications| {
+    let (mut steps, t_end) = (Steps::new(setup), setup.problem.t_end);
+    let found = least_order(t_end, sizes, &mut |tau, amplifications| {
         differences(&mut steps, sizes.key, visits, tau, amplifications)
-    })
+    })?;
+    let noises = setup.problem.noises;
+    if !(1..=MAX_NOISES).contains(&noises) || setup.scheme.about().reads_areas {
+        return Some(found);
+    }
+    let none = setup.scheme.no_noise(noises);
+    Some(found.with_mean(t_end, sizes, &mut |tau, amplifications| {
+        let mean = |&factor: &f64| {
+            let nodes = nodes(&none, 0.5 * tau * factor * factor);
+            mean_square(&mut steps, visits, tau, &nodes)
+        };
+        amplifications.iter().map(mean).collect()
+    }))
+}
+
+/// Nodes and weights of a cubature of degree five for n independent standard normals (McNamee and
+/// Stenger, *Numer. Math.* 10, 1967).
+fn cubature(n: usize) -> Vec<(Vec<f64>, f64)> {
+    let size = n as f64 + 2.0;
+    let mut nodes = vec![(vec![0.0; n], 2.0 / size)];
+    for i in 0..n {
+        for sign in [-1.0, 1.0] {
+            let mut at = vec![0.0; n];
+            at[i] = sign * size.sqrt();
+            nodes.push((at, (4.0 - n as f64) / (2.0 * size * size)));
+        }
+        for (j, [a, b]) in (0..i).flat_map(|j| {
+            [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(move |signs| (j, signs))
+        }) {
+            let mut at = vec![0.0; n];
+            (at[i], at[j]) = (a * (0.5 * size).sqrt(), b * (0.5 * size).sqrt());
+            nodes.push((at, 1.0 / (size * size)));
+        }
+    }
+    nodes
+}
+
+/// Noise of two half steps at the nodes of a cubature, on blocks of 32 paths, with the weights.
+/// `variance`: of an increment.
+pub fn nodes(none: &StepNoise, variance: f64) -> Vec<([StepNoise; 2], Vec<f64>)> {
+    let noises = none.increments.len();
+    let of_half = noises + none.space_time.len();
+    let block = |nodes: &[(Vec<f64>, f64)]| {
+        let mut halves = [none.clone(), none.clone()];
+        for (p, (at, _)) in nodes.iter().enumerate() {
+            for (noise, at) in halves.iter_mut().zip(at.chunks(of_half)) {
+                let (dw, h) = at.split_at(noises);
+                let rows = noise.increments.iter_mut().zip(dw);
+                rows.for_each(|(row, x)| row[p] = variance.sqrt() * x);
+                let rows = noise.space_time.iter_mut().zip(h);
+                rows.for_each(|(row, x)| row[p] = (variance / 12.0).sqrt() * x);
+            }
+        }
+        (halves, nodes.iter().map(|(_, weight)| *weight).collect())
+    };
+    cubature(2 * of_half).chunks(WIDTH).map(block).collect()
+}
+
+/// Means of |Eδ|² and of |y|² over states.
+fn mean_square(
+    steps: &mut Steps<'_>,
+    visits: &[Visit],
+    tau: f64,
+    nodes: &[([StepNoise; 2], Vec<f64>)],
+) -> (f64, f64) {
+    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
+    for visit in visits.iter().take(FEW_VISITS) {
+        let mut mean = vec![0.0_f64; visit.state.len()];
+        for (noises, weights) in nodes {
+            for (to, from) in steps.noises.iter_mut().zip(noises) {
+                (0..WIDTH).for_each(|p| to.copy_path(p, from, p));
+            }
+            let Some(OneAndTwo { one, two, live }) = steps.one_and_two(visit, tau, weights.len())
+            else {
+                continue;
+            };
+            for (p, weight) in weights.iter().enumerate() {
+                // A path that fails leaves no mean.
+                let weight = if live.contains(p) { *weight } else { f64::NAN };
+                let rows = mean.iter_mut().zip(one).zip(two);
+                rows.for_each(|((mean, one), two)| *mean += weight * (one[p] - two[p]));
+            }
+        }
+        if mean.iter().all(|x| x.is_finite()) {
+            square += square_of(mean.into_iter());
+            size += square_of(visit.state.iter().copied());
+            count += 1.0;
+        }
+    }
+    (square / count, size / count)
 }
 
 /// Function that gives mean squares of differences and of states for a step size and factors of the
@@ -100,7 +212,7 @@ pub fn least_order(
         let (&[before, last], (tau, _)) = (exponents.last_chunk()?, squares.last()?);
         let order = 0.5 * (2.0 * last).round();
         let near = [before, last].iter().all(|q| (q - order).abs() < TOLERANCE);
-        near.then_some(OneStep { order, tau: *tau, amplification })
+        near.then_some(OneStep { order, tau: *tau, amplification, mean: None })
     };
     let all = squares.iter().zip(AMPLIFICATIONS).filter_map(clear);
     all.min_by(|a, b| a.order.total_cmp(&b.order)).filter(|step| step.order > 0.0)
@@ -305,6 +417,25 @@ mod tests {
         // Steps that overflow are passed over.
         let late = |tau: f64, _: f64| (if tau > 1e-3 { f64::NAN } else { tau.powi(4) }, 1.0);
         assert_eq!(of(&late).map(|found| found.0), Some(2.0));
+    }
+
+    #[test]
+    fn the_cubature_has_all_moments_up_to_the_fifth() {
+        let n = 3;
+        let nodes = cubature(n);
+        assert_eq!(nodes.len(), 2 * n * n + 1);
+        let moment = |powers: [i32; 3]| -> f64 {
+            let of = |at: &[f64]| at.iter().zip(powers).map(|(x, k)| x.powi(k)).product::<f64>();
+            nodes.iter().map(|(at, weight)| weight * of(at)).sum()
+        };
+        let normal = |k: i32| [1.0, 0.0, 1.0, 0.0, 3.0, 0.0][k as usize];
+        for code in 0..216 {
+            let powers = [code % 6, code / 6 % 6, code / 36];
+            if powers.iter().sum::<i32>() <= 5 {
+                let exact: f64 = powers.into_iter().map(normal).product();
+                assert!((moment(powers) - exact).abs() < 1e-14, "{powers:?}");
+            }
+        }
     }
 
     #[test]

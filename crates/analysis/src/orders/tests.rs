@@ -21,7 +21,7 @@ fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
 }
 
 fn one_step(order: f64) -> Option<OneStep> {
-    Some(OneStep { order, tau: 1e-6, amplification: 16.0 })
+    Some(OneStep { order, tau: 1e-6, amplification: 16.0, mean: None })
 }
 
 #[test]
@@ -31,6 +31,9 @@ fn one_step_of_integer_order_leaves_two_orders_possible() {
     assert_eq!(orders(1.5), [1.0]);
     assert_eq!(orders(2.0), [1.0, 1.5]);
     assert_eq!(orders(3.0), [2.0, 2.5]);
+    let known = |mean: f64| OneStep { mean: Some(mean), ..one_step(2.0).unwrap() };
+    assert_eq!(known(2.0).strong_orders().collect::<Vec<_>>(), [1.0]);
+    assert_eq!(known(3.0).strong_orders().collect::<Vec<_>>(), [1.5]);
 }
 
 /// The order, whether the points show it, or what would decide.

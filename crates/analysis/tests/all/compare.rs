@@ -113,7 +113,8 @@ fn all_schemes_are_compared_and_the_choice_is_in_words() {
     };
     let comparison = of(1);
     // One noise commutes, and B is constant. All of it is one exact flow.
-    let all = ["sexp", "sexp-li", "split", "split-h", "nv", "baoab", "midpoint", "heun", "em"];
+    let all =
+        ["sexp", "sexp-li", "split", "split-h", "sexp-h", "nv", "baoab", "midpoint", "heun", "em"];
     assert_eq!(names(&comparison), all);
     let text = comparison.to_string();
     for words in ["in y(T)", "scheme", "Take ", "texts: D = 2, M = 1"] {

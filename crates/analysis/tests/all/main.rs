@@ -4,6 +4,7 @@
 
 mod collecting;
 mod compare;
+mod expansion;
 mod facts;
 mod false_answers;
 mod friction;

@@ -137,8 +137,7 @@ impl Model for AtRunTime {
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         // These have friction inside.
-        let friction = self.friction.iter().cloned();
-        let own = friction.map(|Friction { damping, components }| (damping, components));
+        let own = Friction::inside(&self.friction);
         let system = self.problem.system();
         let inside: Option<Box<dyn run_time_schemes::Scheme>> = match scheme {
             _ if self.friction.is_empty() => None,

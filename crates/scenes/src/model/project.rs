@@ -7,7 +7,7 @@ use casimir::{
     formula::Names,
     mc::{self, Friction, bind_owned},
     real::Row,
-    schemes::{BuiltIn, Method, SchemeError},
+    schemes::{BuiltIn, Method, SchemeError, SexpH},
     systems::{
         Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError,
         run_time::{self, System},
@@ -145,6 +145,10 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let (system, y0) = (self.problem.system(), self.problem.y0());
+        if scheme == BuiltIn::SexpH {
+            let scheme = SexpH::of(&self.at_run_time, Friction::inside(&self.friction));
+            return mc::bind_at_run_time(&self.at_run_time, Box::new(scheme));
+        }
         if scheme == BuiltIn::SplitH && !self.friction.is_empty() {
             let reason = "friction on components costs it its order here; write formulas";
             return Err(SchemeError::not_for(scheme.id(), system.name(), reason));

@@ -207,8 +207,8 @@ impl Referee<'_> {
     /// The order of single steps.
     fn one_step(&self, single: &[[Vec<f64>; 2]]) -> Option<OneStep> {
         let length = VISITS * self.setup.problem.y0.len();
-        let mut known = single.iter();
-        least_order(self.setup.problem.t_end, &self.sizes, &mut |_, strengths| {
+        let (mut known, t_end) = (single.iter(), self.setup.problem.t_end);
+        let found = least_order(t_end, &self.sizes, &mut |_, strengths| {
             let Some(ends) = known.next() else { return Vec::new() };
             let of = |place: usize| {
                 let range = place * length..(place + 1) * length;
@@ -225,7 +225,36 @@ impl Referee<'_> {
             };
             let places = strengths.iter().filter_map(|a| STRENGTHS.iter().position(|b| a == b));
             places.map(of).collect()
-        })
+        })?;
+        let (weights, mut known) = (self.weights(), single.iter());
+        if weights.is_empty() {
+            return Some(found);
+        }
+        Some(found.with_mean(t_end, &self.sizes, &mut |_, strengths| {
+            let Some([one, two]) = known.next() else { return Vec::new() };
+            // The noise is that of the problem.
+            if !strengths.contains(&1.0) {
+                return Vec::new();
+            }
+            let d = length / VISITS;
+            let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
+            for state in 0..VISITS {
+                let mut mean = vec![0.0; d];
+                for (node, weight) in weights.iter().enumerate() {
+                    let at = (STRENGTHS.len() + node) * length + state * d;
+                    for (i, mean) in mean.iter_mut().enumerate() {
+                        *mean += weight * (one[at + i] - two[at + i]);
+                    }
+                }
+                let y = &two[state * d..(state + 1) * d];
+                if mean.iter().chain(y).all(|x| x.is_finite()) {
+                    square += mean.iter().map(|x| x * x).sum::<f64>();
+                    size += y.iter().map(|y| y * y).sum::<f64>();
+                    count += 1.0;
+                }
+            }
+            vec![(square / count, size / count)]
+        }))
     }
 
     /// The defect of a law at the end that is largest beside rounding.

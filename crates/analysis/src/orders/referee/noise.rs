@@ -8,7 +8,10 @@ use noise::{DyadicLadder, Purpose, StepNoise};
 use rayon::prelude::*;
 use real::WIDTH;
 
-use super::{super::one_step::two_steps, Referee};
+use super::{
+    super::one_step::{nodes, two_steps},
+    Referee,
+};
 
 /// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect
 /// it.
@@ -105,11 +108,10 @@ impl Referee<'_> {
     }
 
     /// The noise of one step and of two half steps from each of [`VISITS`] states, and from these
-    /// again with stronger noise, by [strength, state].
+    /// again with stronger noise, by [strength, state]; then, of one noise, that of each
+    /// [node](Self::weights) by which a mean is computed.
     pub fn single_noise(&self, tau: f64) -> [LevelNoise; 2] {
-        let block = |strength: f64, first: u64| {
-            let [mut one, two] =
-                two_steps(&self.none(), self.sizes.key, first, 0.5 * tau, strength);
+        let block = |[mut one, two]: [StepNoise; 2]| {
             let [mut whole, mut halves] = [(); 2].map(|()| LevelNoise::default());
             halves.push(&one);
             halves.push(&two);
@@ -118,8 +120,30 @@ impl Referee<'_> {
             [whole, halves]
         };
         let firsts = || (0..VISITS as u64).step_by(WIDTH);
-        let of = |strength: f64| firsts().map(move |first| block(strength, first));
-        let blocks: Vec<[LevelNoise; 2]> = STRENGTHS.into_iter().flat_map(of).collect();
+        let (none, key) = (self.none(), self.sizes.key);
+        let drawn = |strength: f64| {
+            firsts()
+                .map(move |first| (strength, first))
+                .map(|(strength, first)| block(two_steps(&none, key, first, 0.5 * tau, strength)))
+        };
+        let mut blocks: Vec<[LevelNoise; 2]> = STRENGTHS.into_iter().flat_map(drawn).collect();
+        if self.noises() == 1 {
+            for (noises, weights) in nodes(&none, 0.5 * tau) {
+                for node in 0..weights.len() {
+                    let mut all = [none.clone(), none.clone()];
+                    for (all, noise) in all.iter_mut().zip(&noises) {
+                        (0..WIDTH).for_each(|p| all.copy_path(p, noise, node));
+                    }
+                    firsts().for_each(|_| blocks.push(block(all.clone())));
+                }
+            }
+        }
         [0, 1].map(|n| LevelNoise::joined(blocks.iter().map(|block| &block[n]), n + 1))
+    }
+
+    /// The weights of the nodes of [`single_noise`](Self::single_noise); none for several noises.
+    pub(super) fn weights(&self) -> Vec<f64> {
+        let weights = || nodes(&self.none(), 1.0).into_iter().flat_map(|(_, weights)| weights);
+        if self.noises() == 1 { weights().collect() } else { Vec::new() }
     }
 }

@@ -173,11 +173,11 @@ impl Order {
 
     /// Whether a strong order shows the weak one that was claimed: errors of means are at most
     /// those of paths, and those of a step that is smooth in τ and in Gaussian increments have
-    /// integer powers of τ, so that an order above zero is one or more. Not if the points of the
+    /// integer powers of τ, so that the order is that of paths rounded up. Not if the points of the
     /// `means` contradict it.
     pub fn implies_weakly(&self, means: &Self, claimed: f64) -> bool {
         let named = match self.decision {
-            Decision::Order { order, .. } => order > 0.0 && order.max(1.0) >= claimed,
+            Decision::Order { order, .. } => order > 0.0 && order.ceil() >= claimed,
             _ => self.decision == Decision::Kept,
         };
         named && means.reaches().is_none_or(|order| order >= claimed)
@@ -200,7 +200,7 @@ mod tests {
     fn order(decision: Decision, hi: f64, one_step: f64) -> Order {
         // At the confidence of a contradiction already, so that nothing is widened.
         let rate = Rate { estimate: 0.5, lo: 0.4, hi, confidence: 0.999, ..Rate::default() };
-        let one_step = Some(OneStep { order: one_step, tau: 1e-6, amplification: 1.0 });
+        let one_step = Some(OneStep { order: one_step, tau: 1e-6, amplification: 1.0, mean: None });
         let limit = Limit::Agrees { distance: 1e-3 };
         Order { points: Vec::new(), rate: Some(rate), one_step, limit, decision, failed: 0 }
     }

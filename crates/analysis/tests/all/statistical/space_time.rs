@@ -5,14 +5,14 @@
 
 use std::sync::Arc;
 
-use analysis::{Order, StepSizes, strong_order};
+use analysis::{Claims, LevelNoise, Order, Referee, SolverStates, StepSizes, strong_order};
 use formula::FormulaSystem;
-use mc::Setup;
+use mc::{Observable, Setup};
 use noise::{StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{
-    About, SexpH, SplitH, Step, Stepper,
+    About, Sexp, SexpH, SplitH, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::{
@@ -166,6 +166,16 @@ fn sexp_h_has_strong_order_two_or_one_and_a_half() {
     }
 }
 
+/// Single steps of order two leave the strong orders 1 and 1.5; their mean tells which.
+#[test]
+fn orders_of_a_spin_are_named() {
+    let (case, split) = (spin(), |case: &Case| SplitH::of(case.problem.system(), []));
+    for (delta, order) in [(split(&case).delta, 1.5), (0.0, 1.0)] {
+        let found = measured(&case, &SplitH { delta, ..split(&case) });
+        assert_eq!(found.order(), Some(order), "{found}");
+    }
+}
+
 /// A change of the noise of a step.
 type Change = fn(&mut StepNoise);
 
@@ -293,4 +303,63 @@ fn sexp_h_keeps_energies() {
         (y[0] * y[0] / 2.0 + y[1] * y[1] + 1.5 * y[2] * y[2]) / 2.0
     });
     stays(&case, &scheme, 10_000, 2.0, SQUARE);
+}
+
+/// States after steps τ of paths from `y0` on the noise of a referee.
+fn solved(case: &Case, y0: &[f64], tau: f64, noise: &LevelNoise) -> Vec<f64> {
+    let (scheme, d) = (SplitH::of(case.problem.system(), []), case.problem.y0().len());
+    let (paths, mut end) = (y0.len() / d, y0.to_vec());
+    for (block, states) in end.chunks_mut(WIDTH * d).enumerate() {
+        let mut stepper = scheme.stepper(case.problem.system()).unwrap();
+        for (p, y) in states.chunks(d).enumerate() {
+            stepper.state_mut().iter_mut().zip(y).for_each(|(row, y)| row[p] = *y);
+        }
+        let mut of_step = StepNoise::zero(1).with_space_time();
+        for n in 0..noise.increments.len() / paths {
+            let first = n * paths + block * WIDTH;
+            for p in 0..states.len() / d {
+                of_step.increments[0][p] = noise.increments[first + p];
+                of_step.space_time[0][p] = noise.space_time[first + p];
+            }
+            let step = Step::new(case.problem.damping(), n as u64, tau).unwrap();
+            stepper.step(&step, &of_step, &mut BlockStatus::explicit());
+        }
+        for (p, y) in states.chunks_mut(d).enumerate() {
+            y.iter_mut().zip(stepper.state()).for_each(|(y, row)| *y = row[p]);
+        }
+    }
+    end
+}
+
+#[test]
+fn a_referee_confirms_what_is_claimed() {
+    let first = Observable { name: "first", function: |y: [f64; 3]| y[0] };
+    let case = spin();
+    let key = StreamKey { seed: 1, experiment: 5 };
+    let sizes = StepSizes::new(8, Truncation::new(4).unwrap(), key);
+    let referee = Referee { setup: Setup::at_run_time(&case.problem, &Sexp).unwrap(), sizes };
+    let paths = 1024;
+    let noise = referee.noise(0, paths).unwrap();
+    let [start, finest, coarse] = referee.reference(0, paths).unwrap();
+    let taus = (3..).map(|n| 0.5f64.powi(n));
+    let levels = noise.iter().zip(taus).map(|(noise, tau)| solved(&case, &start, tau, noise));
+    let single = referee.single_taus().into_iter().map(|tau| {
+        let [one, two] = referee.single_noise(tau);
+        let y0 = case.problem.y0().repeat(one.increments.len());
+        [solved(&case, &y0, tau, &one), solved(&case, &y0, 0.5 * tau, &two)]
+    });
+    let (levels, single) = (levels.collect(), single.collect());
+    let reference = [finest, coarse];
+    let states = SolverStates { start, levels, reference, single, ..SolverStates::default() };
+    let found = referee.judge(&[&first], &states);
+    for (strong, weak, words) in [
+        (1.5, 2.0, ["strong order 1.5: confirmed", "weak order of E[first] 2: confirmed"]),
+        (2.0, 3.0, ["strong order 2: refuted", "weak order of E[first] 3: "]),
+    ] {
+        let claims =
+            Claims { strong: Some(strong), weak: Some(weak), same_step: true, ..Claims::default() };
+        let said = claims.judge(&found).to_string();
+        println!("{said}");
+        assert!(words.iter().all(|words| said.contains(words)), "{said}");
+    }
 }
