@@ -117,7 +117,7 @@ fn nothing_is_clipped_at_long_steps() {
     let scene = plane("0*q", "-p", "0", "initial = [0, 0]\nuntil = 1\nsteps = 2\npaths = 20000");
     let folder =
         with_scene(&scene.replace("energy = \"H0\"", "rare = \"max(0, min(1, 1e9*(q-3)))\""));
-    for scheme in ["sexp", "heun", "em"] {
+    for scheme in ["sexp", "sexp-h", "heun", "em"] {
         let found = results(folder.path(), &["--scheme", scheme]);
         let (mean, ..) = mean(&found, "rare");
         // 27 events are expected: ± 4.5 √27.
@@ -127,7 +127,8 @@ fn nothing_is_clipped_at_long_steps() {
     let scene = plane("q^2/2", "-p", "0", "initial = [0, 0]\nuntil = 8\nsteps = 2\npaths = 200");
     succeeds(with_scene(&scene).path(), &["run", "scene.toml"]);
     // One's own truncation is kept to.
-    let own = with_scene(&scene.replace("steps = 2", "steps = 2\ntruncation = 4"));
+    let own = scene.replace("steps = 2", "steps = 2\ntruncation = 4\nscheme = \"sexp\"");
+    let own = with_scene(&own);
     fails(own.path(), &["run", "scene.toml"], 2, &["leave out `truncation`"]);
 }
 

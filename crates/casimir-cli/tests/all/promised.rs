@@ -233,11 +233,14 @@ fn what_is_kept_follows_from_all_damping() {
             spin("[damping]\nrate = 0.1"),
             "sexp: it keeps the laws of Casimirs, and the energy but for the damping",
         ),
-        (kubo(""), "sexp: it keeps the energy"),
-        (kubo("[damping]\nrate = 0.3"), "sexp: it damps exactly, and keeps the law of the energy"),
+        (kubo(""), "sexp-h: it keeps the energy; space-time areas give strong order 1.5"),
+        (
+            kubo("[damping]\nrate = 0.3"),
+            "sexp-h: it damps exactly, and keeps the law of the energy; space-time areas give strong order 1.5",
+        ),
         (
             kubo("[damping]\nrates = { p = 0.3 }"),
-            "sexp: it damps exactly, and keeps the energy but for the noise and the damping",
+            "sexp-h: it damps exactly, and keeps the energy but for the noise and the damping; space-time areas give strong order 1.5",
         ),
         (lattice("", ""), "split: it keeps the Casimirs, and nearly the energy but for the noise"),
         (
@@ -269,7 +272,7 @@ fn what_is_kept_follows_from_all_damping() {
     // Without iteration a constant B makes an explicit step.
     let oscillator = kubo("").replace("until", "scheme = \"sexp-li\"\nuntil");
     let text = succeeds(with_scene(&oscillator).path(), &["run", "scene.toml"]);
-    assert!(text.contains("the energy drifts; auto takes sexp"), "{text}");
+    assert!(text.contains("the energy drifts; auto takes sexp-h"), "{text}");
     let text = succeeds(
         with_scene(&spin("[damping]\nrates = { s1 = 0.1 }")).path(),
         &["inspect", "scene.toml"],

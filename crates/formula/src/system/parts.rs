@@ -28,7 +28,7 @@ impl Expressions {
         let all: Vec<_> = found.iter().map(by_hamiltonian).collect();
         let of_noise = |m: usize| {
             let mut of = (0..all.len()).filter(|&k| all[k].contains_key(&m));
-            of.next().filter(|_| of.next().is_none())
+            of.next().filter(|&k| of.next().is_none() && !found[k].is_rest())
         };
         let rest: Vec<Term> = found
             .iter()

@@ -1,12 +1,13 @@
 //! Which scheme to take for paths, and what it keeps: one rule for `inspect`, `run` and `compare`.
 //! What each scheme does is in [`schemes::BuiltIn`].
 //!
-//! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
-//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` on a lattice in a
-//! bath. `heun` and `em` are for those who name them.
+//! Paths are for `sexp`: `sexp-h` where noises commute and have flows, and with Lévy areas where
+//! they do not commute and areas are drawn. They are for `split` where a step of `sexp` is dear and
+//! flows are known, and `sexp-li` on a lattice in a bath. `heun` and `em` are for those who name
+//! them.
 
 use mc::Problem;
-use systems::run_time::System;
+use systems::run_time::{Description, Parts, System};
 
 use super::{MAX_COMPONENTS, is_proportional};
 
@@ -27,13 +28,13 @@ pub struct Conserved {
 }
 
 /// Fractions of T up to which the integral of a damping is evaluated.
-const PARTS: [f64; 3] = [0.2, 0.6, 1.0];
+const TIMES: [f64; 3] = [0.2, 0.6, 1.0];
 
 /// Whether some component is damped.
 pub fn is_damped(problem: &Problem<'_>) -> bool {
     let damps =
         |part: &f64| problem.dampings().any(|one| one.integral(0.0, part * problem.t_end) != 0.0);
-    PARTS.iter().any(damps)
+    TIMES.iter().any(damps)
 }
 
 impl Conserved {
@@ -60,6 +61,7 @@ impl Conserved {
             // A lattice.
             _ if system.has_bath && system.joined.is_empty() => "sexp-li",
             true => "sexp-levy",
+            false if has_flows_of_noises(system) => "sexp-h",
             false => "sexp",
         };
         let casimirs = match (self.casimirs, self.damped) {
@@ -82,7 +84,22 @@ impl Conserved {
         let causes = causes.iter().filter(|(acts, _)| *acts && !self.energy);
         let causes = causes.map(|(_, cause)| *cause).collect::<Vec<_>>().join(" and ");
         let but = if causes.is_empty() { "" } else { " but for " };
-        let areas = if scheme == "sexp-levy" { "; Lévy areas give strong order 1" } else { "" };
-        (scheme, format!("{casimirs} {energy}{but}{causes}{areas}"))
+        let order = match scheme {
+            "sexp-levy" => "; Lévy areas give strong order 1",
+            "sexp-h" if system.is_langevin => "; space-time areas give strong order 2",
+            "sexp-h" => "; space-time areas give strong order 1.5",
+            _ => "",
+        };
+        (scheme, format!("{casimirs} {energy}{but}{causes}{order}"))
     }
+}
+
+/// Whether noises commute and the flow of each is known, so that `sexp-h` keeps what `sexp` keeps,
+/// with a higher order at about its cost.
+fn has_flows_of_noises(system: &Description) -> bool {
+    let known = |parts: &Parts| {
+        parts.of_noise.len() == system.noises && parts.of_noise.iter().all(Option::is_some)
+    };
+    let steady = system.noises_commute && !system.depends_on_time;
+    steady && system.noises > 0 && system.parts.as_ref().is_ok_and(known)
 }
