@@ -109,7 +109,7 @@ impl Referee<'_> {
 
     /// The noise of one step and of two half steps from each of [`VISITS`] states, and from these
     /// again with stronger noise, by [strength, state]; then, of one noise, that of each
-    /// [node](Self::weights) by which a mean is computed.
+    /// node of the cubature by which means are computed.
     pub fn single_noise(&self, tau: f64) -> [LevelNoise; 2] {
         let block = |[mut one, two]: [StepNoise; 2]| {
             let [mut whole, mut halves] = [(); 2].map(|()| LevelNoise::default());
