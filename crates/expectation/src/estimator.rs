@@ -401,7 +401,9 @@ impl<'a> Estimator<'a> {
             let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));
             ladder = ladder.with_noise(points(scrambles.collect(), problem.noises));
         }
-        let cost_per_path = ladder.steps_per_path();
+        // Of the paths side by side.
+        let paths = 1 + self.request.expect.parameters.len() as u64;
+        let cost_per_path = paths * ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
         if self.ladders.len() == level {
             self.ladders.push((ladder, vec![Vec::new(); self.replicates as usize]));
@@ -588,6 +590,7 @@ impl<'a> Estimator<'a> {
             variances: samples.values.iter().map(|values| values.sample.variance()).collect(),
         };
         Expectation {
+            gradient: Vec::new(),
             scheme: candidate.setup.scheme.about().id,
             accuracy: request.accuracy,
             single_steps: self.is_single(first).then(|| self.steps(first)),

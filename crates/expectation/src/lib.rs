@@ -80,6 +80,7 @@
 
 mod estimator;
 mod extrapolation;
+mod gradient;
 mod judge;
 mod level;
 mod report;
@@ -102,6 +103,7 @@ use mc::{
     Checkpoint, Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop,
 };
 
+pub use gradient::Nearby;
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 pub use report::{short, written};
 
@@ -120,6 +122,8 @@ pub use report::{short, written};
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
+    /// The parameters of derivatives.
+    parameters: Vec<gradient::Parameter<'a>>,
     /// Callback after each round with the progress.
     pub told: Box<Told<'a>>,
     /// Callback, from any thread, with the number of path-steps done since its last call.
@@ -300,6 +304,7 @@ impl<'a> Expect<'a> {
         Self {
             candidates,
             settings: ExpectSettings::default(),
+            parameters: Vec::new(),
             told: Box::new(|_, _| ()),
             counted: Box::new(|_| ()),
             checkpoint: None,
@@ -340,6 +345,27 @@ impl<'a> Expect<'a> {
     /// pilot. Reaching a limit is no error: the result says so
     /// in its [`warnings`](Expectation::warnings), and its intervals are those that were reached.
     pub fn run(
+        &self,
+        observables: &[&dyn Observe],
+        accuracy: f64,
+    ) -> Result<Expectation, RunError> {
+        if self.parameters.is_empty() {
+            return self.estimate(observables, accuracy);
+        }
+        let on_rows = self.with_slopes(observables);
+        let on_rows: Vec<&dyn Observe> = on_rows.iter().map(|phi| phi as _).collect();
+        let mut found = self.estimate(&on_rows, accuracy)?;
+        let slopes = found.estimates.split_off(observables.len());
+        let mut slopes = slopes.into_iter();
+        let of = |parameter: &gradient::Parameter<'_>| {
+            (parameter.name.clone(), slopes.by_ref().take(observables.len()).collect())
+        };
+        found.gradient = self.parameters.iter().map(of).collect();
+        Ok(found)
+    }
+
+    /// [`Self::run`] for test functions of all rows.
+    fn estimate(
         &self,
         observables: &[&dyn Observe],
         accuracy: f64,

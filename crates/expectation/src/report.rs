@@ -16,6 +16,9 @@ pub struct Expectation {
     pub scheme: &'static str,
     /// Estimate of each test function, in their order.
     pub estimates: Vec<Estimate>,
+    /// Derivatives with respect to parameters: the name of each, and the estimate for each test
+    /// function.
+    pub gradient: Vec<(String, Vec<Estimate>)>,
     /// The requested half-width.
     pub accuracy: f64,
     /// Steps of the single paths that are taken because levels do not help: differences of fine and
@@ -36,7 +39,12 @@ impl Expectation {
     pub fn reached(&self) -> bool {
         let reached =
             |estimate: &Estimate| estimate.half_width() <= self.accuracy && estimate.judged.all();
-        self.estimates.iter().all(reached)
+        self.all().all(reached)
+    }
+
+    /// All estimates, those of derivatives last.
+    pub fn all(&self) -> impl Iterator<Item = &Estimate> {
+        self.estimates.iter().chain(self.gradient.iter().flat_map(|(_, estimates)| estimates))
     }
 }
 
@@ -246,9 +254,9 @@ impl fmt::Display for Warning {
 /// Each expectation with its interval and the parts of it, what it cost, and warnings.
 impl fmt::Display for Expectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scheme, estimates, accuracy, single_steps, cost, levels, warnings } = self;
-        let longest = estimates.iter().map(|one| one.name.chars().count()).max().unwrap_or(0);
-        for estimate in estimates {
+        let Self { scheme, accuracy, single_steps, cost, levels, warnings, .. } = self;
+        let longest = self.all().map(|one| one.name.chars().count()).max().unwrap_or(0);
+        for estimate in self.all() {
             let name = format!("E[{}]", estimate.name);
             writeln!(f, "{name:width$} = {estimate}", width = longest + 3)?;
         }

@@ -515,6 +515,7 @@ fn an_interval_adds_the_bias_to_the_rest() {
     let (lower, upper) = estimate.interval();
     assert!(close(lower, -4.0) && close(upper, 8.0));
     let result = |accuracy: f64, judged: Judged| Expectation {
+        gradient: Vec::new(),
         scheme: "sexp",
         estimates: vec![Estimate { judged, ..estimate.clone() }],
         accuracy,
@@ -546,6 +547,7 @@ fn an_expectation_says_what_it_is_and_what_it_lacks() {
         ..estimate()
     };
     let mut found = Expectation {
+        gradient: Vec::new(),
         scheme: "sexp",
         estimates: vec![estimate("y1", 2e-5), estimate("cos y1", 0.0)],
         accuracy: 1e-4,

@@ -133,6 +133,12 @@ impl Formula {
         Some(Self { root, tape, graph, ..self.clone() })
     }
 
+    /// Whether there are conditions in the formula, so that it may jump.
+    #[must_use]
+    pub fn has_conditions(&self) -> bool {
+        self.condition().is_some()
+    }
+
     /// The first condition, which has no derivatives, as an error at its place.
     pub(crate) fn condition(&self) -> Option<FormulaError> {
         let mut needed = self.graph.needed(&[self.root]).into_iter();

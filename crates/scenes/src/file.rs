@@ -162,6 +162,9 @@ pub struct ExpectTable {
     pub of: At<Vec<At<Text>>>,
     /// Half-width of the 95 % intervals.
     pub accuracy: At<f64>,
+    /// Parameters θ for ∂E[φ]/∂θ.
+    #[serde(default)]
+    pub gradient: Vec<At<String>>,
 }
 
 /// Statistics of how observables depend on each other and on their past, from 100 paths on.

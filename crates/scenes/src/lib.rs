@@ -53,7 +53,7 @@ pub use read::{Constants, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source, Wrong};
-pub use sweep::{Combination, Set, Sweep, Varied};
+pub use sweep::{Combination, Nearby, Set, Sweep, Varied};
 pub use values::{At, Count, Listed, Parameter, Text, count, digits, place};
 
 use std::{fmt::Display, path::Path, sync::Arc};
@@ -99,6 +99,8 @@ pub struct Scene {
     pub expected: Vec<Observable>,
     /// Half-width of the 95 % intervals of expectations.
     pub accuracy: Option<f64>,
+    /// Parameters by which expectations are differentiated.
+    pub gradient: Vec<String>,
 }
 
 /// Largest number of components that are examined one by one.
@@ -184,6 +186,7 @@ impl Scene {
             energy,
             expected: Vec::new(),
             accuracy: None,
+            gradient: changes.gradient.clone(),
         };
         let named = |text: &String| At::new(0..0, Text(text.clone()));
         let named: Vec<At<Text>> = changes.of.iter().map(named).collect();
@@ -193,7 +196,7 @@ impl Scene {
                 let of = scene.expect(&named, &mut vocabulary);
                 of.map_err(|error| Wrong::in_option("--of", error))?;
             }
-            Some(ExpectTable { of, accuracy }) => {
+            Some(ExpectTable { of, accuracy, .. }) => {
                 let half_width = **accuracy;
                 if !(half_width > 0.0 && half_width.is_finite()) {
                     refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
@@ -205,6 +208,9 @@ impl Scene {
                 scene.expect(of, &mut vocabulary)?;
             }
             None => {}
+        }
+        if let (true, Some(table)) = (scene.gradient.is_empty(), &file.expect) {
+            scene.gradient = table.gradient.iter().map(|name| name.to_string()).collect();
         }
         if scene.observables.is_empty() {
             scene.observables.clone_from(&scene.expected);
@@ -271,6 +277,14 @@ impl Scene {
             let message = format!("no scheme `{name}`{}", among(name, &known));
             Wrong::new(self.settings.scheme_place.clone(), message)
         })
+    }
+
+    /// Scenes near this one, for derivatives by its [`gradient`](Self::gradient).
+    ///
+    /// # Errors
+    /// [`SceneError`] if there is no such parameter, or a changed scene is none.
+    pub fn nearby(&self) -> Result<Nearby, SceneError> {
+        Nearby::new(&self.source, &self.changes, &self.gradient)
     }
 
     /// Adds the quantities that paths collect to a setup.

@@ -25,6 +25,8 @@ pub enum Quantity {
     Component(usize),
     /// A formula, or a function of the system such as its energy.
     Function(Arc<OfRows>),
+    /// A formula with conditions, which may jump.
+    Jumping(Arc<OfRows>),
     /// A formula of what a path has collected.
     AlongPath(Arc<OfRows>),
     /// A number collected by the path, in this row after its state.
@@ -38,13 +40,13 @@ impl Quantity {
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
             Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
-            Self::Function(function) | Self::AlongPath(function) => function(y, values),
+            Self::Function(of) | Self::Jumping(of) | Self::AlongPath(of) => of(y, values),
         }
     }
 
     /// Whether the quantity is a function of the state alone.
     pub fn is_of_state(&self) -> bool {
-        matches!(self, Self::Component(_) | Self::Function(_))
+        matches!(self, Self::Component(_) | Self::Function(_) | Self::Jumping(_))
     }
 }
 
@@ -183,13 +185,19 @@ impl Vocabulary {
         let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
         let further = all - dimension;
         let is_of_state = used.iter().all(|(_, quantity)| quantity.is_of_state());
+        let jumps = used.iter().any(|(_, quantity)| matches!(quantity, Quantity::Jumping(_)))
+            || formula.has_conditions();
         let function = Arc::new(move |y: &[Row], values: &mut Row| {
             let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
             let (others, scratch) = others.split_at_mut(further);
             used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
             tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
         });
-        Ok(if is_of_state { Quantity::Function(function) } else { Quantity::AlongPath(function) })
+        Ok(match is_of_state {
+            true if jumps => Quantity::Jumping(function),
+            true => Quantity::Function(function),
+            false => Quantity::AlongPath(function),
+        })
     }
 
     /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.

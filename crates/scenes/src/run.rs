@@ -36,6 +36,10 @@ pub struct Changes {
     #[cfg_attr(feature = "clap", arg(skip))]
     #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
     pub of: Vec<String>,
+    /// Parameters of derivatives, instead of those of the scene.
+    #[cfg_attr(feature = "clap", arg(skip))]
+    #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
+    pub gradient: Vec<String>,
     /// Draw other random numbers for each combination of a sweep, not the same for all
     #[cfg_attr(feature = "clap", arg(long))]
     #[serde(default)]

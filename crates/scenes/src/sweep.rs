@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Changes, Scene,
     file::SceneFile,
-    read::{self, among},
+    read::{self, Constants, among},
     source::{Read, SceneError, Source},
     values::{At, MAX_VALUES, Parameter, Text, Values},
 };
@@ -188,6 +188,64 @@ fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
         }
     }
     Ok(all)
+}
+
+/// Part of a parameter, or of one where it is zero, by which a nearby scene differs.
+const NEARBY: f64 = 1e-7;
+/// The same for numbers that are generic, as 0.500000001 is: of the same form as those nearby, while
+/// formulas are simpler at 0, ½ or 1.
+const GENERIC: f64 = 1e-9;
+
+/// A scene at generic parameters, and nearby ones in each of which one parameter is changed a
+/// little.
+pub struct Nearby {
+    /// The scene, with parameters that differ by 10⁻⁹ of their values.
+    pub scene: Scene,
+    /// For each parameter its name, its change, and the changed scene.
+    pub changed: Vec<(String, f64, Scene)>,
+}
+
+impl Nearby {
+    /// Scenes near that of a text with the changes that a command line makes.
+    ///
+    /// # Errors
+    /// [`SceneError`] if there is no such parameter, or a changed scene is none.
+    pub fn new(
+        source: &Source,
+        changes: &Changes,
+        parameters: &[String],
+    ) -> Result<Self, SceneError> {
+        source.located(Self::of(source, changes, parameters))
+    }
+
+    fn of(source: &Source, changes: &Changes, parameters: &[String]) -> Read<Self> {
+        let mut file = read::parse(&source.text)?;
+        settle(&mut file, &changes.scheme.sets)?;
+        let numbers = Constants::new(&file.system)?.numbers;
+        let changes = Arc::new(changes.clone());
+        let put = |file: &mut SceneFile, name: &str, value: f64| {
+            let (values, texts) = (vec![value], vec![value.to_string()]);
+            Varied { name: name.into(), values, texts, place: None }.put(file, 0);
+        };
+        let mut generic = Vec::new();
+        for (k, name) in parameters.iter().enumerate() {
+            let Some((_, value)) = numbers.iter().find(|(known, _)| known == name) else {
+                let known: Vec<&str> = numbers.iter().map(|(known, _)| &known[..]).collect();
+                refuse!(None, "no parameter `{name}` to differentiate by{}", among(name, &known));
+            };
+            let size = if *value == 0.0 { 1.0 } else { value.abs() };
+            let value = value + GENERIC * (k + 1) as f64 * size;
+            put(&mut file, name, value);
+            generic.push((name, value, value + NEARBY * size));
+        }
+        let near = |&(name, value, near): &(&String, f64, f64)| {
+            let mut file = file.clone();
+            put(&mut file, name, near);
+            Ok((name.clone(), near - value, Scene::of(source, file, &changes)?))
+        };
+        let changed = generic.iter().map(near).collect::<Read<_>>()?;
+        Ok(Self { scene: Scene::of(source, file, &changes)?, changed })
+    }
 }
 
 /// Gives the parameters of a scene the values that the command line chooses, one each.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     expectation::{self, Estimate, ExpectSettings, WarningKind},
-    mc::Observe,
+    mc::{Observe, RunError},
     schemes::BuiltIn,
 };
 use schemars::JsonSchema;
@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
 use crate::failure::{Done, Failure};
-use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed};
+use scenes::{AUTO, Changes, Count, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -28,6 +28,11 @@ pub struct Expect {
     #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
     #[serde(skip)]
     pub of: Vec<String>,
+    /// Parameters θ for derivatives ∂E[φ]/∂θ, instead of those of the scene; several by several
+    /// `--gradient`
+    #[cfg_attr(feature = "clap", arg(long, value_name = "PARAMETER"))]
+    #[serde(skip)]
+    pub gradient: Vec<String>,
     /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
     /// for a scheme that is named, and with events or integrals
     #[cfg_attr(feature = "clap", arg(long, value_name = "STEPS"))]
@@ -44,8 +49,9 @@ impl Verb for Expect {
     const WRITES: bool = false;
 
     fn changes(&self) -> Changes {
-        let (of, scheme) = (self.of.clone(), self.scheme.clone());
-        Changes { accuracy: self.accuracy, of, scheme, ..Changes::default() }
+        let (of, gradient) = (self.of.clone(), self.gradient.clone());
+        let scheme = self.scheme.clone();
+        Changes { accuracy: self.accuracy, of, gradient, scheme, ..Changes::default() }
     }
 
     fn meaning(&self) -> String {
@@ -60,7 +66,12 @@ impl Verb for Expect {
 
 fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
-    let (expect, mut settings, because) = chosen(scene)?;
+    let nearby = if scene.gradient.is_empty() { None } else { Some(scene.nearby()?) };
+    let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
+    let (mut expect, mut settings, because) = chosen(scene)?;
+    if let Some(nearby) = &nearby {
+        expect = with_gradient(expect, nearby)?;
+    }
     settings.coarsest_steps = coarsest.map_or(settings.coarsest_steps, |steps| steps.0);
     let start = Instant::now();
     let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
@@ -73,6 +84,14 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     });
     if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
         return Err(Failure::Stopped("before the first estimates".into()));
+    }
+    if let (Err(RunError::NotFinite { observable, .. }), true) = (&found, nearby.is_some()) {
+        let message = format!(
+            "E[{observable}] cannot be told: paths at the parameter and nearby separate before T = \
+             {}, as in chaos. Take a shorter time",
+            scene.settings.until
+        );
+        return Err(scene.source.error(None, message).into());
     }
     let (found, seconds) = (found?, start.elapsed().as_secs_f64());
     // Components have names here.
@@ -89,16 +108,54 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     }
     text += &format!("{seconds:.2} s\n");
     let estimate = |one: &Estimate| with_interval(one, one.interval(), one.half_width());
+    let gradient = found.gradient.iter().map(|(parameter, estimates)| {
+        (parameter.clone(), estimates.iter().map(estimate).collect())
+    });
     let json = json!({
         "scheme": found.scheme, "because": because,
         "accuracy": found.accuracy, "reached": found.reached(),
         "estimates": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "gradient": gradient.collect::<serde_json::Map<_, _>>(),
         "levels": found.levels, "single_steps": found.single_steps,
         "path_steps": found.cost, "seconds": seconds,
     });
     let warnings = found.warnings.iter().map(expectation::Warning::told);
     let reached = found.reached();
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
+}
+
+/// Adds derivatives by parameters.
+fn with_gradient<'a>(
+    expect: expectation::Expect<'a>,
+    Nearby { scene, changed }: &'a Nearby,
+) -> Done<expectation::Expect<'a>> {
+    let refused = |message: String| -> Failure { scene.source.error(None, message).into() };
+    let smooth =
+        |phi: &Observable| matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_));
+    if let Some(phi) = scene.expected.iter().find(|phi| !smooth(phi)) {
+        return Err(refused(format!(
+            "E[{}] has no derivative along paths, which do not see jumps, integrals and events: \
+             take a smooth function of the state, such as tanh((x - a)/d) for x > a",
+            phi.name
+        )));
+    }
+    let mut all = Vec::new();
+    for (parameter, change, near) in changed {
+        let times = [scene, near].map(|scene| (scene.settings.until, scene.settings.steps));
+        let starts = [scene, near].map(|scene| scene.problem().start(scene.settings.key, 0));
+        let random = scene.settings.random.is_some() && starts[0] != starts[1];
+        if times[0] != times[1] || random {
+            let what = if random { "law of the random initial value" } else { "time of the end" };
+            return Err(refused(format!("no derivative by `{parameter}`: it changes the {what}")));
+        }
+        all.push(expectation::Nearby {
+            parameter: parameter.clone(),
+            change: *change,
+            expect: chosen(near)?.0.starting(None),
+            observables: near.expected.iter().map(|phi| phi as _).collect(),
+        });
+    }
+    Ok(expect.with_gradient(all)?)
 }
 
 /// The accuracy that is wanted of a scene.

@@ -10,6 +10,7 @@ mod defaults;
 mod doctor;
 mod friction;
 mod gallery;
+mod gradient;
 mod hostile;
 mod initial;
 mod ito;

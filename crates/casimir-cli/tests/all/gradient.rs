@@ -1,0 +1,136 @@
+//! Derivatives of expectations with respect to parameters.
+
+use serde_json::Value;
+
+use crate::common::{fails, json, with_scene};
+
+/// The estimate of a derivative with its half-width, of function number `k`.
+fn derivative(found: &Value, parameter: &str, k: usize) -> [f64; 2] {
+    let estimate = &found["gradient"][parameter][k];
+    ["value", "half_width"].map(|key| estimate[key].as_f64().unwrap())
+}
+
+/// Asserts derivatives, each within 1.6 half-widths: three standard errors and more.
+#[track_caller]
+fn are(scene: &str, exact: &[(&str, usize, f64)]) {
+    let folder = with_scene(scene);
+    let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+    for &(parameter, k, exact) in exact {
+        let [value, half] = derivative(&found, parameter, k);
+        assert!((value - exact).abs() < 1.6 * half, "∂/∂{parameter}: {value} ± {half}, {exact}");
+        assert!(half <= found["accuracy"].as_f64().unwrap(), "{found}");
+    }
+}
+
+/// E[q] = e^{−s²T/2} cos wT. At w = 1 the formulas have a simpler form than nearby.
+const KUBO: &str = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "w*(q^2 + p^2)/2"
+H = ["s*(q^2 + p^2)/2"]
+parameters = { w = 1, s = 0.5 }
+[run]
+initial = [1, 0]
+until = 2
+steps = 64
+[expect]
+of = ["q"]
+accuracy = 2e-4
+gradient = ["s", "w"]
+"#;
+
+#[test]
+fn derivatives_of_an_oscillator_are_exact() {
+    let exact = [("s", 0, 0.324_095_5), ("w", 0, -1.416_323)];
+    are(KUBO, &exact);
+    are(&KUBO.replace("steps = 64", "steps = 64\nscheme = \"sexp\""), &exact);
+}
+
+/// Of friction on one component, of an initial value, of the noise, and of φ itself.
+#[test]
+fn rates_initial_values_and_functions_are_differentiated() {
+    let scene = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + k*q^2/2"
+H = ["s*q"]
+parameters = { k = 2, s = 0.7, f = 0.8, q0 = 1 }
+[damping]
+rates = { p = "f" }
+[run]
+initial = ["q0", 0]
+until = 1.5
+steps = 64
+[expect]
+of = ["q", "s*q^2"]
+accuracy = 2e-4
+gradient = ["k", "s", "f", "q0"]
+"#;
+    // By the matrix exponential and the covariance of the solution.
+    let (square, by_s) = (0.121_640_38, 0.318_496_6);
+    are(
+        scene,
+        &[
+            ("k", 0, -0.350_738_59),
+            ("k", 1, 0.7 * 0.028_088_05),
+            ("s", 0, 0.0),
+            ("s", 1, square + 0.7 * by_s),
+            ("f", 0, 0.396_832_25),
+            ("f", 1, 0.7 * -0.164_560_79),
+            ("q0", 0, -0.100_829_41),
+            ("q0", 1, 0.7 * 0.020_333_14),
+        ],
+    );
+}
+
+/// The rigid body whose means are known by spherical harmonics to degree 27, with damping
+/// g cos 2t.
+#[test]
+fn derivatives_of_a_rigid_body_are_those_on_the_sphere() {
+    let scene = r#"
+[system]
+state = ["x", "y", "z"]
+B = "rigid"
+H0 = "x^2/(2*I1) + y^2/(2*I2) + z^2/(2*I3)"
+H = ["x^2/(2*J1)", "y^2/(2*J2)", "z^2/(2*J3)"]
+parameters = { I1 = 2, I2 = 1, I3 = "2/3", J1 = 1, J2 = 2, J3 = 3, g = 0.5 }
+[damping]
+rate = "g*cos(2*t)"
+[run]
+initial = ["cos(1.1)", 0, "sin(1.1)"]
+until = 1
+steps = 64
+[expect]
+of = ["cos(z)"]
+accuracy = 2e-4
+gradient = ["I1", "I2", "I3", "J1", "J2", "J3", "g"]
+"#;
+    are(
+        scene,
+        &[
+            ("I1", 0, 7.476_86e-3),
+            ("I2", 0, -2.578_22e-2),
+            ("I3", 0, -9.281_7e-3),
+            ("J1", 0, -4.320_75e-2),
+            ("J2", 0, -1.275_45e-3),
+            ("J3", 0, 6.808_5e-4),
+            ("g", 0, 0.156_913),
+        ],
+    );
+}
+
+#[test]
+fn derivatives_that_paths_do_not_show_are_refused() {
+    for (from, to, words) in [
+        ("of = [\"q\"]", "of = [\"q > 1\"]", "do not see jumps"),
+        ("of = [\"q\"]", "of = [\"if(q > 1, q, 0)\"]", "do not see jumps"),
+        ("gradient = [\"s\", \"w\"]", "gradient = [\"x\"]", "no parameter `x`"),
+        ("until = 2", "until = \"2*w\"", "no derivative by `w`: it changes the time of the end"),
+        ("initial = [1, 0]", "initial = [\"w*u1\", 0]", "it changes the law of the random"),
+    ] {
+        let folder = with_scene(&KUBO.replace(from, to));
+        fails(folder.path(), &["expect", "scene.toml"], 2, &[words]);
+    }
+}

@@ -1,0 +1,227 @@
+//! Derivatives of expectations with respect to parameters, along paths.
+//!
+//! Paths of the problem and of nearby ones, in each of which one parameter is changed a little, go
+//! side by side on the same noise. The difference of φ over the change is a sample of the
+//! derivative, with an error of the order of the change: below 10⁻⁶ of it for a change of 10⁻⁷ of
+//! the parameter. So all schemes, damping and initial values are differentiated, and levels and
+//! Sobol points serve derivatives as they serve values.
+
+use std::{ops::Range, sync::Arc};
+
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{PathMask, Row, elementary::hypot};
+use schemes::{About, Method, Step, Stepper};
+use systems::Damping;
+
+use super::{Candidate, Expect};
+use mc::{Observe, RunError};
+
+/// A problem in which one parameter is changed a little.
+pub struct Nearby<'a> {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// The change of the parameter.
+    pub change: f64,
+    /// Expectations of the changed problem, by the same schemes.
+    pub expect: Expect<'a>,
+    /// The test functions, which may depend on the parameter.
+    pub observables: Vec<&'a dyn Observe>,
+}
+
+/// The parameters of derivatives.
+pub struct Parameter<'a> {
+    pub name: String,
+    change: f64,
+    observables: Vec<&'a dyn Observe>,
+}
+
+/// Distance of nearby states, over their size, beyond which the difference is no derivative.
+const APART: f64 = 1e-3;
+/// Fractions of T at which dampings are compared.
+const TIMES: [f64; 4] = [0.13, 0.38, 0.71, 1.0];
+
+impl<'a> Expect<'a> {
+    /// Adds ∂E\[φ(y(T))\]/∂θ for every φ and the parameter θ of each nearby problem: estimates after
+    /// those of all φ, in this order, to the same accuracy.
+    ///
+    /// φ must have no jumps: paths do not see them. Where paths at θ and nearby separate, as in
+    /// chaos over long times, [`run`](Self::run) ends with [`RunError::NotFinite`].
+    ///
+    /// # Errors
+    /// [`RunError::Setting`] if a nearby problem has other schemes, or a random initial value that
+    /// depends on the parameter.
+    pub fn with_gradient(mut self, nearby: Vec<Nearby<'a>>) -> Result<Self, RunError> {
+        let mut all: Vec<Vec<Candidate<'a>>> = Vec::new();
+        for Nearby { parameter, change, expect, observables } in nearby {
+            let ids = |expect: &Expect<'_>| -> Vec<&str> {
+                expect.candidates.iter().map(|one| one.setup.scheme.about().id).collect()
+            };
+            if ids(&expect) != ids(&self) {
+                let why = "the nearby problem has other schemes: choose one that both have";
+                return Err(RunError::Setting(format!("derivative by {parameter}: {why}")));
+            }
+            all.push(expect.candidates);
+            self.parameters.push(Parameter { name: parameter, change, observables });
+        }
+        for (k, candidate) in self.candidates.iter_mut().enumerate() {
+            let problem = &candidate.setup.problem;
+            let near = |of: &Candidate<'a>, scheme: &Arc<dyn Method + 'a>| {
+                let other = &of.setup.problem;
+                let integrals = |damping: &dyn Damping| {
+                    TIMES.map(|t| (damping.integral(0.0, t * problem.t_end), damping.rate(t)))
+                };
+                let damping = (integrals(problem.damping) != integrals(other.damping))
+                    .then_some(other.damping);
+                let shift = problem.y0.iter().zip(&other.y0).map(|(y, near)| near - y).collect();
+                Near { method: Arc::clone(scheme), damping, shift }
+            };
+            let beside = |method: &Arc<dyn Method + 'a>, mirror: bool| {
+                let of = |all: &Vec<Candidate<'a>>| {
+                    let own = &all[k];
+                    let scheme = own.mirror.as_ref().filter(|_| mirror);
+                    near(own, scheme.unwrap_or(&own.setup.scheme))
+                };
+                let nearby = all.iter().map(of).collect();
+                let dimension = problem.y0.len();
+                Arc::new(SideBySide { method: Arc::clone(method), dimension, nearby }) as _
+            };
+            let mirror = candidate.mirror.as_ref().map(|mirror| beside(mirror, true));
+            let scheme = beside(&candidate.setup.scheme, false);
+            (candidate.setup.scheme, candidate.mirror) = (scheme, mirror);
+        }
+        Ok(self)
+    }
+
+    /// The test functions on rows side by side, and their derivatives.
+    pub(super) fn with_slopes<'b>(&'b self, observables: &[&'b dyn Observe]) -> Vec<OnRows<'b>> {
+        let dimension = self.candidates[0].setup.problem.y0.len();
+        let rows = |k: usize| k * dimension..(k + 1) * dimension;
+        let own = |phi: &&'b dyn Observe| {
+            let name = phi.name().to_owned();
+            OnRows { name, phi: *phi, rows: rows(0), slope: None }
+        };
+        let slopes = self.parameters.iter().enumerate().flat_map(|(k, parameter)| {
+            let Parameter { name, change, observables: near } = parameter;
+            observables.iter().zip(near).map(move |(phi, near)| OnRows {
+                name: format!("∂{}/∂{name}", phi.name()),
+                phi: *phi,
+                rows: rows(0),
+                slope: Some((*near, rows(k + 1), *change)),
+            })
+        });
+        observables.iter().map(own).chain(slopes).collect()
+    }
+}
+
+/// A test function of the first state of those side by side, or its derivative.
+pub struct OnRows<'a> {
+    name: String,
+    phi: &'a dyn Observe,
+    rows: Range<usize>,
+    /// The function nearby, its rows, and the change of the parameter.
+    slope: Option<(&'a dyn Observe, Range<usize>, f64)>,
+}
+
+impl Observe for OnRows<'_> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        self.phi.evaluate(&y[self.rows.clone()], live, values);
+        let Some((near, rows, change)) = &self.slope else { return };
+        let (own, other) = (&y[self.rows.clone()], &y[rows.clone()]);
+        let nearby = near.values(other, live);
+        for p in live.paths() {
+            let (mut apart, mut size) = (0.0, 0.0);
+            for (own, other) in own.iter().zip(other) {
+                apart = hypot(apart, own[p] - other[p]);
+                size = hypot(size, own[p]);
+            }
+            values[p] = match apart > APART * size && apart > APART * change.abs() * 1e7 {
+                true => f64::NAN,
+                false => (nearby[p] - values[p]) / change,
+            };
+        }
+    }
+
+    fn weak_order(&self) -> f64 {
+        self.phi.weak_order()
+    }
+}
+
+/// A method and nearby ones on the same noise, with the rows of all states.
+struct SideBySide<'a> {
+    method: Arc<dyn Method + 'a>,
+    dimension: usize,
+    nearby: Vec<Near<'a>>,
+}
+
+/// A method whose parameter is changed.
+struct Near<'a> {
+    method: Arc<dyn Method + 'a>,
+    /// Damping of all components, if it is another.
+    damping: Option<&'a dyn Damping>,
+    /// Difference of the initial values.
+    shift: Vec<f64>,
+}
+
+impl Method for SideBySide<'_> {
+    fn about(&self) -> About {
+        self.method.about()
+    }
+
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        let (state, others) = y.split_at(self.dimension);
+        let mut rows = state.to_vec();
+        let mut steppers = vec![(self.method.start(state), None)];
+        for (k, near) in self.nearby.iter().enumerate() {
+            let shifted = |(row, shift): (&Row, &f64)| row.map(|y| y + shift);
+            let known = others.get(k * self.dimension..(k + 1) * self.dimension);
+            let start = known.map_or_else(
+                || state.iter().zip(&near.shift).map(shifted).collect(),
+                <[Row]>::to_vec,
+            );
+            steppers.push((near.method.start(&start), near.damping));
+            rows.extend(start);
+        }
+        Box::new(Side { steppers, dimension: self.dimension, rows })
+    }
+}
+
+struct Side<'a> {
+    steppers: Vec<(Box<dyn Stepper + 'a>, Option<&'a dyn Damping>)>,
+    dimension: usize,
+    rows: Vec<Row>,
+}
+
+impl Stepper for Side<'_> {
+    fn state(&self) -> &[Row] {
+        &self.rows
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let mut failed = PathMask::default();
+        let mut own = BlockStatus::explicit();
+        for (k, (stepper, damping)) in self.steppers.iter_mut().enumerate().rev() {
+            let rows = &mut self.rows[k * self.dimension..(k + 1) * self.dimension];
+            stepper.state_mut().copy_from_slice(rows);
+            let changed =
+                damping.and_then(|damping| Step::new(damping, step.number(), step.tau).ok());
+            stepper.step(changed.as_ref().unwrap_or(step), noise, &mut own);
+            rows.copy_from_slice(stepper.state());
+            failed = failed.or(own.failed);
+        }
+        *status = own;
+        status.failed = failed;
+    }
+
+    fn rests(&mut self, live: PathMask) -> bool {
+        self.steppers.iter_mut().all(|(stepper, _)| stepper.rests(live))
+    }
+}
