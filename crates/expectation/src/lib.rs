@@ -199,6 +199,8 @@ struct Orders {
 
 /// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;
+/// The number of these after which derivatives that are not finite are given up.
+const SEPARATED: u32 = 3;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
 /// refused.
 const LONGEST: f64 = 4_194_304.0;
@@ -403,6 +405,13 @@ impl<'a> Expect<'a> {
                         return Ok(found);
                     }
                     best = Ok(found);
+                }
+                // Nearby paths that separate do so at all steps.
+                Err(error @ RunError::NotFinite { .. })
+                    if !self.parameters.is_empty()
+                        && attempt as u32 % (REFINEMENTS + 1) == SEPARATED =>
+                {
+                    return Err(error);
                 }
                 Err(RunError::NoPaths { .. } | RunError::NotFinite { .. })
                     if attempts.peek().is_some() => {}

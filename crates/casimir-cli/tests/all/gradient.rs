@@ -65,7 +65,7 @@ until = 1.5
 steps = 64
 [expect]
 of = ["q", "s*q^2"]
-accuracy = 2e-4
+accuracy = 5e-4
 gradient = ["k", "s", "f", "q0"]
 "#;
     // By the matrix exponential and the covariance of the solution.
@@ -133,4 +133,27 @@ fn derivatives_that_paths_do_not_show_are_refused() {
         let folder = with_scene(&KUBO.replace(from, to));
         fails(folder.path(), &["expect", "scene.toml"], 2, &[words]);
     }
+}
+
+/// Hénon and Heiles' stars of energy 1/6 over 200 units of time, with an exponent of a tenth.
+#[test]
+fn derivatives_of_chaos_are_refused() {
+    let scene = r#"
+[system]
+state = ["q1", "q2", "p1", "p2"]
+B = "canonical"
+H0 = "(p1^2 + p2^2)/2 + (q1^2 + q2^2)/2 + l*(q1^2*q2 - q2^3/3)"
+H = ["s*q1"]
+parameters = { l = 1, s = 1e-3 }
+[run]
+initial = [0, -0.25, 0.42, 0]
+until = 200
+steps = 4000
+[expect]
+of = ["q1"]
+accuracy = 1e-2
+gradient = ["l"]
+"#;
+    let words = ["E[∂q1/∂l] cannot be told", "separate before T = 200, as in chaos"];
+    fails(with_scene(scene).path(), &["expect", "scene.toml"], 2, &words);
 }
