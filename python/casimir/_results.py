@@ -379,17 +379,31 @@ class Estimate(NamedTuple):
     """The upper end."""
     half_width: float
 
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The ends of the 95 % interval."""
+        return self.lo, self.hi
+
 
 class Expectation(Result, Mapping[str, Estimate]):
     """Expectations by name, each with its 95 % interval."""
 
     def __init__(self, scene: Scene, found: _Found) -> None:
         Result.__init__(self, scene, found)
-        numbers = ("value", "lo", "hi", "half_width")
-        self._estimates = {
-            str(one["of"]): Estimate(*(float(one[key]) for key in numbers))
-            for one in self.data["estimates"]
-        }
+
+        def estimate(one: Any) -> Estimate:
+            return Estimate(*(float(one[key]) for key in ("value", "lo", "hi", "half_width")))
+
+        self._estimates = {str(one["of"]): estimate(one) for one in self.data["estimates"]}
+        names = list(self._estimates)
+        self.gradient: dict[str | tuple[str, str], Estimate] = {}
+        """Derivatives: ``gradient["q", "sigma"]`` is ∂E[q]/∂sigma, and so is ``gradient["sigma"]``
+        if nothing but q is expected."""
+        for parameter, estimates in self.data["gradient"].items():
+            for name, one in zip(names, estimates, strict=True):
+                self.gradient[name, parameter] = estimate(one)
+                if len(names) == 1:
+                    self.gradient[parameter] = estimate(one)
 
     @property
     def reached(self) -> bool:

@@ -20,7 +20,7 @@ kernels: schemes systems
 stats: real
 mc: stats real schemes systems noise nonlin
 study: mc stats noise real
-expectation: mc schemes systems stats noise real
+expectation: mc schemes systems nonlin stats noise real
 stationary: expectation study mc schemes systems nonlin stats noise real
 inspect: mc schemes systems noise real
 analysis: inspect mc stats formula schemes systems nonlin noise real

@@ -42,8 +42,8 @@ const APART: f64 = 1e-3;
 const TIMES: [f64; 4] = [0.13, 0.38, 0.71, 1.0];
 
 impl<'a> Expect<'a> {
-    /// Adds ∂E\[φ(y(T))\]/∂θ for every φ and the parameter θ of each nearby problem: estimates after
-    /// those of all φ, in this order, to the same accuracy.
+    /// Adds ∂E\[φ(y(T))\]/∂θ for every φ and the parameter θ of each nearby problem, to the same
+    /// accuracy: [`Expectation::gradient`](super::Expectation::gradient).
     ///
     /// φ must have no jumps: paths do not see them. Where paths at θ and nearby separate, as in
     /// chaos over long times, [`run`](Self::run) ends with [`RunError::NotFinite`].
@@ -175,7 +175,7 @@ impl Method for SideBySide<'_> {
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let (state, others) = y.split_at(self.dimension);
         let mut rows = state.to_vec();
-        let mut steppers = vec![(self.method.start(state), None)];
+        let mut all = vec![One { stepper: self.method.start(state), damping: None }];
         for (k, near) in self.nearby.iter().enumerate() {
             let shifted = |(row, shift): (&Row, &f64)| row.map(|y| y + shift);
             let known = others.get(k * self.dimension..(k + 1) * self.dimension);
@@ -183,15 +183,21 @@ impl Method for SideBySide<'_> {
                 || state.iter().zip(&near.shift).map(shifted).collect(),
                 <[Row]>::to_vec,
             );
-            steppers.push((near.method.start(&start), near.damping));
+            all.push(One { stepper: near.method.start(&start), damping: near.damping });
             rows.extend(start);
         }
-        Box::new(Side { steppers, dimension: self.dimension, rows })
+        Box::new(Side { all, dimension: self.dimension, rows })
     }
 }
 
+/// One of several steppers side by side, with its damping if it is another than that of the steps.
+struct One<'a> {
+    stepper: Box<dyn Stepper + 'a>,
+    damping: Option<&'a dyn Damping>,
+}
+
 struct Side<'a> {
-    steppers: Vec<(Box<dyn Stepper + 'a>, Option<&'a dyn Damping>)>,
+    all: Vec<One<'a>>,
     dimension: usize,
     rows: Vec<Row>,
 }
@@ -208,7 +214,7 @@ impl Stepper for Side<'_> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         let mut failed = PathMask::default();
         let mut own = BlockStatus::explicit();
-        for (k, (stepper, damping)) in self.steppers.iter_mut().enumerate().rev() {
+        for (k, One { stepper, damping }) in self.all.iter_mut().enumerate().rev() {
             let rows = &mut self.rows[k * self.dimension..(k + 1) * self.dimension];
             stepper.state_mut().copy_from_slice(rows);
             let changed =
@@ -222,6 +228,6 @@ impl Stepper for Side<'_> {
     }
 
     fn rests(&mut self, live: PathMask) -> bool {
-        self.steppers.iter_mut().all(|(stepper, _)| stepper.rests(live))
+        self.all.iter_mut().all(|one| one.stepper.rests(live))
     }
 }

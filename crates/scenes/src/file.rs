@@ -162,7 +162,7 @@ pub struct ExpectTable {
     pub of: At<Vec<At<Text>>>,
     /// Half-width of the 95 % intervals.
     pub accuracy: At<f64>,
-    /// Parameters θ for ∂E[φ]/∂θ.
+    /// Parameters θ for the derivatives of all expectations.
     #[serde(default)]
     pub gradient: Vec<At<String>>,
 }

@@ -192,8 +192,8 @@ fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
 
 /// Part of a parameter, or of one where it is zero, by which a nearby scene differs.
 const NEARBY: f64 = 1e-7;
-/// The same for numbers that are generic, as 0.500000001 is: of the same form as those nearby, while
-/// formulas are simpler at 0, ½ or 1.
+/// Part by which generic numbers differ from those given: formulas with 0.500000001 have the form
+/// of those nearby, while those with 0, ½ or 1 are simpler.
 const GENERIC: f64 = 1e-9;
 
 /// A scene at generic parameters, and nearby ones in each of which one parameter is changed a

@@ -28,8 +28,8 @@ pub struct Expect {
     #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
     #[serde(skip)]
     pub of: Vec<String>,
-    /// Parameters θ for derivatives ∂E[φ]/∂θ, instead of those of the scene; several by several
-    /// `--gradient`
+    /// Parameters by which expectations are differentiated, instead of those of the scene; several
+    /// by several `--gradient`
     #[cfg_attr(feature = "clap", arg(long, value_name = "PARAMETER"))]
     #[serde(skip)]
     pub gradient: Vec<String>,
