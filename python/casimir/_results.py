@@ -399,7 +399,7 @@ class Expectation(Result, Mapping[str, Estimate]):
         self.gradient: dict[str | tuple[str, str], Estimate] = {}
         """Derivatives: ``gradient["q", "sigma"]`` is ∂E[q]/∂sigma, and so is ``gradient["sigma"]``
         if nothing but q is expected."""
-        for parameter, estimates in self.data["gradient"].items():
+        for parameter, estimates in self.data.get("gradient", {}).items():
             for name, one in zip(names, estimates, strict=True):
                 self.gradient[name, parameter] = estimate(one)
                 if len(names) == 1:

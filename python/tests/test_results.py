@@ -42,6 +42,33 @@ def test_an_expectation_contains_the_exact_value(oscillator: casimir.Scene) -> N
     assert list(found) == ["q"] and found.to_pandas().loc["q", "value"] == found["q"].value
 
 
+def test_derivatives_contain_the_exact_values() -> None:
+    scene = casimir.Scene.from_toml(
+        """
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "w*(q^2 + p^2)/2"
+H = ["s*(q^2 + p^2)/2"]
+parameters = { w = 1, s = 0.5 }
+[run]
+initial = [1, 0]
+until = 2
+steps = 64
+"""
+    )
+    found = scene.expect(of=["q"], accuracy=1e-3, gradient=["s", "w"])
+    for parameter, exact in (("s", 0.3240955), ("w", -1.416323)):
+        # Two half-widths are missed once in 10^4.
+        estimate = found.gradient[parameter]
+        low, high = estimate.interval
+        assert abs(estimate.value - exact) < high - low == 2 * estimate.half_width
+        assert found.gradient["q", parameter] == found.gradient[parameter]
+    assert not scene.expect(of=["q"], accuracy=1e-2).gradient
+    with pytest.raises(casimir.SceneError, match="no parameter `k`"):
+        scene.expect(of=["q"], accuracy=1e-2, gradient=["k"])
+
+
 def test_averages_over_the_stationary_law(oscillator: casimir.Scene) -> None:
     well = casimir.scene("langevin")
     found = well.equilibrium(accuracy=0.02, parameters={"kT": 1.0})
