@@ -544,7 +544,8 @@ impl Kind {
     }
 }
 
-/// Turns two vectors about their sum s: a′ = a × s and b′ = b × s for a time.
+/// Turns two vectors about their sum s: a′ = a × s and b′ = b × s for a time. Each gets its length
+/// back, since rounding errors of the same angles would add up.
 fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id]) {
     let [a, b] = vectors.map(|vector| vector.map(|k| y[k]));
     let total = [0, 1, 2].map(|k| graph.add(a[k], b[k]));
@@ -559,10 +560,20 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
     for (vector, known) in vectors.iter().zip([a, b]) {
         let turned = graph.cross(&known, &total);
         let twice = graph.cross(&turned, &total);
-        for k in 0..3 {
+        let moved = [0, 1, 2].map(|k| {
             let (one, two) = (graph.mul(turned[k], first), graph.mul(twice[k], second));
             let change = graph.add(one, two);
-            y[vector[k]] = graph.add(known[k], change);
+            graph.add(known[k], change)
+        });
+        // 1 + ½(|a|² − |a′|²)/|a|², and 1 where a is zero.
+        let [before, after] = [known, moved].map(|vector| graph.dot(&vector, &vector));
+        let (lost, least) = (graph.sub(before, after), graph.constant(f64::MIN_POSITIVE));
+        let before = graph.binary(Binary::Max, before, least);
+        let share = graph.binary(Binary::Div, lost, before);
+        let share = graph.scale(share, 0.5);
+        for k in 0..3 {
+            let change = graph.mul(moved[k], share);
+            y[vector[k]] = graph.add(moved[k], change);
         }
     }
 }
