@@ -36,7 +36,7 @@ fn mean(found: &Value, name: &str) -> (f64, f64, f64) {
 fn energies_of_explicit_methods_are_wrong_over_long_times_and_said_to_be() {
     let run = "initial = [1, 0]\nuntil = 2000\nsteps = 10000\npaths = 500";
     let folder = with_scene(&plane("(p^2 + q^2)/2", "0.05*q", "0", run));
-    assert_eq!(results(folder.path(), &[])["scheme"], "sexp");
+    assert_eq!(results(folder.path(), &[])["scheme"], "sexp-h");
     let found = results(folder.path(), &["--scheme", "heun"]);
     let (mean, error, stated) = mean(&found, "energy");
     assert!((mean - 3.0).abs() > 10.0 * error && stated > 0.5 * mean, "{mean} ± {error}");
