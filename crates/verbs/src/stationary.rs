@@ -162,7 +162,12 @@ fn average(
     let named = scene.settings.scheme != AUTO;
     // Unless a scheme is named, averages are exact where they can be.
     let may_be_exact = exponents.is_none() && !named;
-    let exact = may_be_exact.then(|| scene.model.metropolis().ok()).flatten();
+    let exact = may_be_exact.then(|| scene.model.metropolis());
+    let (exact, inexact) = match exact {
+        Some(Ok(sampler)) => (Some(sampler), None),
+        Some(Err(reason)) => (None, Some(reason)),
+        None => (None, None),
+    };
     let is_langevin = !scene.model.friction().is_empty();
     if exact.is_none() && !named && is_langevin && scene.model.scheme(BuiltIn::Baoab).is_ok() {
         scheme = BuiltIn::Baoab.id().into();
@@ -226,6 +231,9 @@ fn average(
         (None, Some(kt)) => {
             let kt = digits(kt);
             text += &format!("exp(-H0/kT) is stationary with kT = {kt}, if it has an integral\n");
+            if let Some(reason) = inexact {
+                text += &format!("averages have a bias of the step, since {reason}\n");
+            }
         }
         _ => {}
     }
