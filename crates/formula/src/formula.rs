@@ -68,7 +68,7 @@ impl Formula {
     #[must_use]
     pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
         assert_eq!(point.len(), self.variables.len(), "numbers of a point");
-        let (graph, root, text) = (&self.graph, self.root, &self.text);
+        let (graph, root) = (&self.graph, self.root);
         let needed = graph.needed(&[root]);
         let values = graph.values_of(&needed, |k| point[k]);
         let of = |id| values[place(&needed, id)];
@@ -80,7 +80,7 @@ impl Formula {
         let operands = operands.collect::<Vec<_>>().join(" and ");
         let of_them = if operands.is_empty() { "" } else { " for " };
         let message = format!("this is {}{of_them}{operands}", of(id));
-        Some(FormulaError::new(message, text, graph.place(id).unwrap_or(0..text.len())))
+        Some(self.error_at(id, message))
     }
 
     /// The values at 32 points, with a row for each variable. For formulas that are evaluated now
@@ -142,11 +142,16 @@ impl Formula {
     /// The first condition, which has no derivatives, as an error at its place.
     pub(crate) fn condition(&self) -> Option<FormulaError> {
         let mut needed = self.graph.needed(&[self.root]).into_iter();
-        let place =
-            self.graph.place(needed.find(|&id| matches!(self.graph.node(id), Node::Where(_)))?);
+        let id = needed.find(|&id| matches!(self.graph.node(id), Node::Where(_)))?;
         let message = "a condition is not smooth, and derivatives are needed here: take tanh(x/d) \
                        for a smooth step of width d";
-        Some(FormulaError::new(message, &self.text, place.unwrap_or(0..self.text.len())))
+        Some(self.error_at(id, message))
+    }
+
+    /// An error at the place of an expression.
+    fn error_at(&self, id: Id, message: impl Into<String>) -> FormulaError {
+        let place = self.graph.place(id).unwrap_or(0..self.text.len());
+        FormulaError::new(message, &self.text, place)
     }
 
     /// Numbers of the variables that the formula uses.

@@ -263,12 +263,13 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Demands a whole number that is known.
-    fn whole(&self, value: Placed) -> Parsed<u32> {
+    /// Reads an expression in one more bracket, whose value must be a whole number that is known.
+    fn whole(&mut self, least: u32) -> Parsed<(u32, Range<usize>)> {
+        let value = self.deeper(least)?;
         let (id, span) = self.number(value)?;
         let whole = |x: &f64| x.fract() == 0.0 && (0.0..=1e6).contains(x);
         match self.graph.as_constant(id).filter(whole) {
-            Some(number) => Ok(number as u32),
+            Some(number) => Ok((number as u32, span)),
             None => self.error("this must be a whole number, such as 3, i or i + 1", span),
         }
     }
@@ -401,9 +402,8 @@ impl<'a> Parser<'a> {
     fn indexed(&mut self, name: &str, at: Range<usize>) -> Parsed {
         let open = self.place();
         self.skip("[");
-        let inner = self.deeper(OR)?;
-        let (place, end) = (inner.1.clone(), self.place().end);
-        let index = self.whole(inner)?;
+        let (index, place) = self.whole(OR)?;
+        let end = self.place().end;
         match self.token() {
             token @ "]" => self.skip(token),
             _ => return self.error("this bracket is not closed: `]` is missing", open),
@@ -434,12 +434,9 @@ impl<'a> Parser<'a> {
         }
         self.skip(index);
         self.expect("in", FORM)?;
-        let first = self.deeper(SUM)?;
-        let first = self.whole(first)?;
+        let (first, _) = self.whole(SUM)?;
         self.expect("..", FORM)?;
-        let last = self.deeper(SUM)?;
-        let place = last.1.clone();
-        let last = self.whole(last)?;
+        let (last, place) = self.whole(SUM)?;
         self.expect(",", FORM)?;
         if last < first {
             return self.error(format!("this sum from {first} to {last} has no term"), place);

@@ -60,21 +60,19 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
             let b = product(&(c.abs(), x.clone())).0;
             (format!("{}{sign}{b}", of(a, Sum)), Sum)
         };
-        let two = |a, b, sign: &str, [first, second]: [Binding; 2]| {
-            format!("{}{sign}{}", of(a, first), of(b, second))
-        };
+        let two = |a, b, between: &str| format!("{}{between}{}", of(a, Sum), of(b, Sum));
         let (text, binding) = match (graph.node(id), &factors) {
             (_, Some(factors)) => product(factors),
             (Node::Input(k), _) => (names[k as usize].clone(), Whole),
             (Node::Unary(function, a), _) => (format!("{function}({})", of(a, Sum)), Whole),
-            (Node::Binary(Add, a, b), _) => sum(a, b, false),
-            (Node::Binary(Sub, a, b), _) => sum(a, b, true),
-            (Node::Binary(Min, a, b), _) => (format!("min({})", two(a, b, ", ", [Sum; 2])), Whole),
-            (Node::Binary(Max, a, b), _) => (format!("max({})", two(a, b, ", ", [Sum; 2])), Whole),
+            (Node::Binary(function @ (Add | Sub), a, b), _) => sum(a, b, function == Sub),
+            (Node::Binary(function @ (Min | Max), a, b), _) => {
+                let name = if function == Min { "min" } else { "max" };
+                (format!("{name}({})", two(a, b, ", ")), Whole)
+            }
             (Node::Power(a, n), _) => (format!("{}^{n}", of(a, Whole)), Power),
             (Node::Where([x, y, a, b]), _) => {
-                let condition = two(x, y, " < ", [Sum; 2]);
-                (format!("(if {condition}: {})", two(a, b, " else ", [Sum; 2])), Whole)
+                (format!("(if {}: {})", two(x, y, " < "), two(a, b, " else ")), Whole)
             }
             (Node::Constant(_) | Node::Binary(..), None) => unreachable!("it has factors"),
         };

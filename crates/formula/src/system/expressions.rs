@@ -11,7 +11,7 @@ use super::{
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
 
-use expression::{Binary, Graph, Id, Node, Tape, Unary, forms, place};
+use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, place};
 
 use crate::{
     Formula,
@@ -132,9 +132,9 @@ impl Expressions {
         // ∇(H₀w₀ + H₁w₁ + …), with w + u dt for baths.
         let shifts = new.shifts(&temperatures);
         new.baths = (noises + 1 - shifts.len()..).zip(shifts).collect();
-        let weighted: Vec<(Id, Id)> = new.hamiltonians.iter().copied().zip(weights).collect();
+        let weighted: Vec<Weighted> = new.hamiltonians.iter().copied().zip(weights).collect();
         let shifted = new.shifted(&weighted, |_, shift, _| shift);
-        let gradient = new.graph.reverse(&shifted, &new.y());
+        let gradient = new.graph.reverse(&shifted, &new.group(Y).collect::<Vec<_>>());
         let hessian = new.along(&gradient, &directions);
         // Of ∇̄h, u is taken at the middle, and stands for itself until h is averaged.
         let own = new.group(TIME).end;
@@ -194,9 +194,9 @@ impl Expressions {
     /// something else, from u and the number of the Hamiltonian.
     fn shifted(
         &mut self,
-        weighted: &[(Id, Id)],
+        weighted: &[Weighted],
         shift: impl Fn(&mut Graph, Id, usize) -> Id,
-    ) -> Vec<(Id, Id)> {
+    ) -> Vec<Weighted> {
         let mut all = weighted.to_vec();
         for &(m, u) in &self.baths {
             let u = shift(&mut self.graph, u, m);
@@ -272,8 +272,18 @@ impl Expressions {
     /// B∇F of a term with its weight.
     pub fn field_of_term(&mut self, term: &Term) -> Sparse {
         let weight = self.weight(from_ref(term));
-        let gradient = self.graph.slopes(&[(term.root, weight)], |k| k < self.dimension);
+        let gradient = self.slopes(&[(term.root, weight)]);
         self.times(&gradient)
+    }
+
+    /// The gradient of a sum of functions of y, each with its weight.
+    pub fn slopes(&mut self, weighted: &[Weighted]) -> Sparse {
+        self.graph.slopes(weighted, |k| k < self.dimension)
+    }
+
+    fn gradient(&mut self, function: Id) -> Sparse {
+        let one = self.graph.constant(1.0);
+        self.slopes(&[(function, one)])
     }
 
     /// r with x′ = rx for the change x′ of component k; none if there is no such r, or it depends
@@ -286,10 +296,6 @@ impl Expressions {
         let at_zero = self.graph.copy(None, &[change], |i| (i == k).then_some(zero))[0];
         let rate = self.graph.forward(&[change], |i| (i == k).then_some(one))[0];
         (self.graph.is_zero(at_zero) && !self.reads(&[rate]).contains(&k)).then_some(rate)
-    }
-
-    fn y(&self) -> Vec<usize> {
-        self.group(Y).collect()
     }
 
     /// B·v.
@@ -315,13 +321,8 @@ impl Expressions {
     /// All components of B·v.
     fn field_at(&mut self, v: &Sparse) -> Vec<Id> {
         let field = self.times(v);
-        self.dense(field)
-    }
-
-    /// All components of a vector.
-    fn dense(&mut self, vector: Sparse) -> Vec<Id> {
         let mut all = vec![self.graph.constant(0.0); self.dimension];
-        vector.into_iter().for_each(|(k, component)| all[k] = component);
+        field.into_iter().for_each(|(k, component)| all[k] = component);
         all
     }
 
@@ -352,19 +353,12 @@ impl Expressions {
         self.tape(&[sum], [Y, TIME])
     }
 
-    /// The largest degree of B(y) in y.
-    pub fn structure_degree(&self) -> Option<u32> {
-        self.largest_degree(&self.field)
-    }
-
-    /// The largest degree of H₀, H₁, … in y.
-    pub fn energy_degree(&self) -> Option<u32> {
-        self.largest_degree(&self.hamiltonians)
-    }
-
-    fn largest_degree(&self, roots: &[Id]) -> Option<u32> {
-        let degrees = self.graph.degrees(roots, |k| k < self.dimension);
-        degrees.into_iter().try_fold(0, |most, degree| Some(degree?.max(most)))
+    /// The largest degrees of B(y) and of H₀, H₁, … in y.
+    pub fn degrees(&self) -> [Option<u32>; 2] {
+        [&self.field, &self.hamiltonians].map(|roots| {
+            let degrees = self.graph.degrees(roots, |k| k < self.dimension);
+            degrees.into_iter().try_fold(0, |most, degree| Some(degree?.max(most)))
+        })
     }
 
     /// The derivatives of functions of y along a direction.
@@ -407,7 +401,7 @@ impl Expressions {
                 brackets.push((dot(&mut self.graph, slope, field), area));
             }
         }
-        self.graph.reverse(&brackets, &self.y())
+        self.graph.reverse(&brackets, &self.group(Y).collect::<Vec<_>>())
     }
 
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
@@ -417,12 +411,12 @@ impl Expressions {
             return [self.noises < 2; 2];
         }
         let fields = self.noise_fields();
-        let (d, size, one) = (self.dimension, self.graph.size(), self.graph.constant(1.0));
+        let size = self.graph.size();
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
                 let bracket = dot(&mut self.graph, slope, g);
-                let v = self.graph.slopes(&[(bracket, one)], |k| k < d);
+                let v = self.gradient(bracket);
                 let turned = self.times(&v);
                 let [moved, other] = [(g, f), (f, g)].map(|(f, g)| self.vector_along(f, g));
                 let changed: BTreeSet<usize> =
@@ -440,13 +434,15 @@ impl Expressions {
                 }
             }
         }
-        [commutators, defects].map(|expressions| {
-            let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
-            times.iter().all(|&t| {
-                let finite =
-                    |y: &[f64]| self.numbers(&expressions, y, t).iter().all(|x| x.is_finite());
-                vanish(y0, finite, |y| self.numbers(&expressions, y, t))
-            })
+        [commutators, defects].map(|expressions| self.vanish(&expressions, y0))
+    }
+
+    /// Whether expressions are zero around `y0`, at several times.
+    fn vanish(&self, expressions: &[Id], y0: &[f64]) -> bool {
+        let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
+        times.iter().all(|&t| {
+            let finite = |y: &[f64]| self.numbers(expressions, y, t).iter().all(|x| x.is_finite());
+            vanish(y0, finite, |y| self.numbers(expressions, y, t))
         })
     }
 
@@ -482,11 +478,7 @@ impl Expressions {
                 return false;
             }
         }
-        let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
-        times.iter().all(|&t| {
-            let finite = |y: &[f64]| self.numbers(&bent, y, t).iter().all(|x| x.is_finite());
-            vanish(y0, finite, |y| self.numbers(&bent, y, t))
-        })
+        self.vanish(&bent, y0)
     }
 
     /// Values of functions of y at a time, in numbers of any type.
@@ -505,15 +497,14 @@ impl Expressions {
         let baths = self.baths.iter().filter(|_| m == 0);
         let shifts = baths.map(|&(m, u)| (self.hamiltonians[m], u));
         let weighted: Vec<_> = [(self.hamiltonians[m], one)].into_iter().chain(shifts).collect();
-        let gradient = self.graph.slopes(&weighted, |k| k < self.dimension);
+        let gradient = self.slopes(&weighted);
         let field = self.times(&gradient);
         (gradient, field)
     }
 
     /// The coordinates of momenta, as [`super::FormulaSystem::coordinates`] has them.
     pub fn coordinates(&mut self, momenta: &[usize]) -> Vec<Option<Coordinate>> {
-        let (d, one) = (self.dimension, self.graph.constant(1.0));
-        let slopes = self.graph.slopes(&[(self.hamiltonians[0], one)], |k| k < d);
+        let slopes = self.gradient(self.hamiltonians[0]);
         let coordinate = |&p: &usize| {
             let is_coordinate = |entry: &&Entry| {
                 let constant = self.graph.as_constant(entry.above);
@@ -552,13 +543,12 @@ impl Expressions {
     /// The power of heat: the change of E[H₀] in time by noises, the drift that baths give them,
     /// and friction with these rates on components, ½Σ fₘ·∇(fₘ·∇H₀) + Σ uₘ fₘ·∇H₀ − Σ γᵢyᵢ∂H₀/∂yᵢ.
     pub fn heat(&mut self, noises: &[usize], friction: &[(usize, f64)]) -> Tape {
-        let (d, one) = (self.dimension, self.graph.constant(1.0));
-        let slope = self.graph.slopes(&[(self.hamiltonians[0], one)], |k| k < d);
+        let slope = self.gradient(self.hamiltonians[0]);
         let mut heat = self.graph.constant(0.0);
         for &m in noises {
             let (_, field) = self.field_of(m + 1);
             let power = dot(&mut self.graph, &field, &slope);
-            let bent = self.graph.slopes(&[(power, one)], |k| k < d);
+            let bent = self.gradient(power);
             let bent = dot(&mut self.graph, &field, &bent);
             average::add(&mut self.graph, &mut heat, bent, 0.5);
             if let Some(&(_, u)) = self.baths.iter().find(|bath| bath.0 == m + 1) {

@@ -13,7 +13,7 @@ use std::{
 };
 
 use super::{expressions::Expressions, sparse::Field};
-use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, place, terms};
+use expression::{Affine, Binary, Graph, Id, Node, Unary, Weighted, forms, place, terms};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
 #[derive(Clone)]
@@ -208,9 +208,9 @@ fn quadratic(
     let mut quadratic = degrees.iter().map(|degree| matches!(degree, Some(..=2)));
     let few: Vec<Term> =
         all.iter().zip(quadratic.clone()).filter(|(_, is)| *is).map(|x| x.0.clone()).collect();
-    let weighted: Vec<(Id, Id)> =
+    let weighted: Vec<Weighted> =
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
-    let gradient = system.graph.slopes(&weighted, |k| k < system.dimension);
+    let gradient = system.slopes(&weighted);
     let slopes: Vec<Id> = gradient.values().copied().collect();
     let needed = system.graph.needed(&slopes);
     let forms = forms(&system.graph, &needed, system.dimension);
@@ -325,6 +325,23 @@ impl Linear {
             }
         }
         bracket.is_zero()
+    }
+
+    /// Advances y by the flow of the field for a time.
+    fn turn(&self, graph: &mut Graph, time: Id, y: &mut [Id]) {
+        let start = y.to_vec();
+        for Motion { component: k, cube, second } in &self.motions {
+            let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
+            let angle = graph.scale(time, rate);
+            let weights = by_cube(graph, angle, *cube);
+            let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
+            let [first, second] = [0, 1].map(|n| {
+                let form = forms[n].expression(graph, &start);
+                graph.mul(form, weights[n])
+            });
+            let change = graph.add(first, second);
+            y[*k] = graph.add(start[*k], change);
+        }
     }
 }
 
@@ -593,25 +610,6 @@ fn angles(system: &mut Expressions, known: &Involution, terms: &[Term]) -> Vec<I
         }
     }
     sums
-}
-
-impl Linear {
-    /// Advances y by the flow of the field for a time.
-    fn turn(&self, graph: &mut Graph, time: Id, y: &mut [Id]) {
-        let start = y.to_vec();
-        for Motion { component: k, cube, second } in &self.motions {
-            let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
-            let angle = graph.scale(time, rate);
-            let weights = by_cube(graph, angle, *cube);
-            let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
-            let [first, second] = [0, 1].map(|n| {
-                let form = forms[n].expression(graph, &start);
-                graph.mul(form, weights[n])
-            });
-            let change = graph.add(first, second);
-            y[*k] = graph.add(start[*k], change);
-        }
-    }
 }
 
 /// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK with c = 0, −1 or 1, by the sign of

@@ -137,12 +137,13 @@ impl FormulaSystem {
         y0: &[f64],
     ) -> Self {
         let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
-        let linearity = match expressions.structure_degree() {
+        let [of_structure, of_energy] = expressions.degrees();
+        let linearity = match of_structure {
             Some(0) if has_step => Linearity::Constant,
             Some(1) if has_step => Linearity::Affine,
             _ => Linearity::Other,
         };
-        let nodes = expressions.energy_degree().map_or(NODES, |degree| {
+        let nodes = of_energy.map_or(NODES, |degree| {
             nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MAX_NODES)
         });
         let always_solvable = match linearity {

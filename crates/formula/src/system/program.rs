@@ -38,7 +38,13 @@ impl Programs {
         let compiled = match known.iter().find(|(known, _)| *known == key) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = SchemeTape::new(system, &key).map(Arc::new);
+                let compiled = match &key {
+                    Key::Formula(nodes, inputs, results) => {
+                        SchemeTape::formula(system, nodes, *inputs, results)
+                    }
+                    Key::Composition(moves) => Some(SchemeTape::composition(system, moves)),
+                };
+                let compiled = compiled.map(Arc::new);
                 known.push((key, compiled.clone()));
                 compiled
             }
@@ -67,13 +73,6 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    fn new(system: &Expressions, key: &Key) -> Option<Self> {
-        match key {
-            Key::Formula(nodes, inputs, results) => Self::formula(system, nodes, *inputs, results),
-            Key::Composition(moves) => Some(Self::composition(system, moves)),
-        }
-    }
-
     fn composition(system: &Expressions, moves: &[Move]) -> Self {
         let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
         let factor_of = |one: &Move| match *one {
