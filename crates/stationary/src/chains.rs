@@ -229,7 +229,7 @@ impl Chains {
 
     /// Number of chains that have failed.
     pub fn failed(&self) -> usize {
-        self.blocks.len() * WIDTH - self.live().count()
+        self.chains() as usize - self.live().count()
     }
 
     /// Whether states are beyond 1e50.

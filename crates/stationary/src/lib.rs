@@ -71,14 +71,14 @@ mod rules;
 mod tangents;
 mod wells;
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use expectation::{ExpectSettings, Told};
-use mc::{Checkpoint, Measured, Observe, Problem, RunError, Setup, demand, parts::Stop};
+use mc::{Checkpoint, Observe, Problem, RunError, Setup, demand, parts::Stop};
 use rules::{HEAT, MAX_REVIVALS};
 use wells::Watched;
 
@@ -193,7 +193,7 @@ impl<'a> Equilibrium<'a> {
         sampler: Metropolis<'a>,
         settings: EquilibriumSettings,
     ) -> Self {
-        let (problem, beta) = (Problem { noises: sampler.noises(), ..problem }, sampler.beta());
+        let (problem, beta) = (Problem { noises: sampler.noises(), ..problem }, sampler.beta);
         let setup = Setup { problem, scheme: Arc::new(sampler) };
         Self { beta: Some(beta), ..Self::new(setup, settings) }
     }
@@ -247,15 +247,15 @@ impl<'a> Equilibrium<'a> {
         self.demand(of, watched)?;
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| self.begin(of));
-        let (mut found, mut reached) = (None, false);
-        if chains.has_averages() {
+        let averages = |chains: &Chains| {
             let of_chains = (of, setup.scheme.about().id, self.beta);
-            found = Some(Averages::new(&chains, settings, of_chains, accuracy, watched));
-        }
+            Averages::new(chains, settings, of_chains, accuracy, watched)
+        };
+        let mut found = chains.has_averages().then(|| averages(&chains));
+        let mut reached = false;
         loop {
             if chains.is_due() {
-                let of_chains = (of, setup.scheme.about().id, self.beta);
-                let now = Averages::new(&chains, settings, of_chains, accuracy, watched);
+                let now = averages(&chains);
                 let half_width = now.half_width();
                 told(half_width, (accuracy / half_width).powi(2).min(1.0));
                 let halves = now.wants_shorter_steps() && chains.halvings < MAX_HALVINGS;
@@ -267,9 +267,8 @@ impl<'a> Equilibrium<'a> {
                 let since = chains.spent - chains.spent_before;
                 let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
-                let all = settings.blocks_of_chains() as usize;
                 let wanted = now.wanted;
-                let paired = (wanted as usize).max(1).next_multiple_of(WIDTH).min(all);
+                let paired = (wanted as usize).max(1).next_multiple_of(WIDTH).min(number);
                 found = Some(now);
                 let shorter = fails || halves && chains.doubled;
                 let more = if shorter { 2 * BATCHES } else { BATCHES };
@@ -383,7 +382,11 @@ impl<'a> Equilibrium<'a> {
         let first = |path| setup.scheme.start(&setup.problem.start(key, path)).state().to_vec();
         // Chains that choose their step come to rest again.
         let heated = if self.beta.is_some() { SPREADING / 2 } else { SPREADING };
-        let run = |paths: Range<u64>, levels: usize| {
+        let (mut blocks, mut failures) = (Vec::new(), Vec::new());
+        for (paths, levels) in [(0..paired, known.levels), (paired..number, 1)] {
+            if paths.is_empty() {
+                continue;
+            }
             let steps = known.batch_steps << (levels - 1);
             let count = paths.end - paths.start;
             let mut ladder = batch.ladder(steps, levels - 1, truncation, family, count)?;
@@ -395,16 +398,9 @@ impl<'a> Equilibrium<'a> {
                 states.map_or_else(|| first(path), <[Row]>::to_vec)
             });
             let new = || Gather { of, levels, chains: known, blocks: Vec::new() };
-            Ok::<_, RunError>(ladder.run_until(stop, paths.start, count, new))
-        };
-        let mut found = vec![run(0..paired, known.levels)?];
-        if paired < number {
-            found.push(run(paired..number, 1)?);
-        }
-        let (mut blocks, mut failures) = (Vec::new(), Vec::new());
-        for Measured { statistic, failures: failed, .. } in found {
-            blocks.extend(statistic.blocks);
-            failures.extend(failed);
+            let found = ladder.run_until(stop, paths.start, count, new);
+            blocks.extend(found.statistic.blocks);
+            failures.extend(found.failures);
         }
         if stop.is_asked() {
             return Ok(false);

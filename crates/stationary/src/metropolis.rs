@@ -28,7 +28,8 @@ use mc::{Friction, Problem};
 pub struct Metropolis<'a> {
     /// The system whose noises have the Hamiltonians H₀, H₁, ….
     flows: &'a dyn System,
-    beta: f64,
+    /// The inverse temperature β.
+    pub(super) beta: f64,
     momenta: Vec<Momentum>,
     /// The noises that move the state by flows.
     walks: Vec<usize>,
@@ -54,11 +55,6 @@ const DRAWN: usize = 4;
 const ROUNDING: f64 = 1e-9;
 
 impl<'a> Metropolis<'a> {
-    /// The inverse temperature β.
-    pub fn beta(&self) -> f64 {
-        self.beta
-    }
-
     /// The sampler of a problem with constant friction whose stationary law is e^{−βH₀}. The noises
     /// of `flows` have the Hamiltonians H₀, H₁, … of its system.
     ///

@@ -110,6 +110,12 @@ impl StationaryMean {
         let (bias, error) = self.seen;
         bias > (BIAS_PART * self.sampling).max(BIAS_ENOUGH * accuracy).max(EXCEEDS * error)
     }
+
+    /// Least factor by which chains must be longer for an accuracy.
+    fn lacks(&self, accuracy: f64) -> f64 {
+        let length = if self.unknown.is_some() { MIN_LENGTH / self.lengths } else { 1.0 };
+        length.max((self.sampling / accuracy).powi(2))
+    }
 }
 
 /// Relative rounding error of a mean.
@@ -321,14 +327,6 @@ impl Averages {
     pub fn reached(&self) -> bool {
         let known = self.means.iter().all(|mean| mean.unknown.is_none());
         known && self.unknown.is_empty() && self.half_width() <= self.accuracy
-    }
-}
-
-impl StationaryMean {
-    /// Least factor by which chains must be longer for an accuracy.
-    fn lacks(&self, accuracy: f64) -> f64 {
-        let length = if self.unknown.is_some() { MIN_LENGTH / self.lengths } else { 1.0 };
-        length.max((self.sampling / accuracy).powi(2))
     }
 }
 
