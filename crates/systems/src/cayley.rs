@@ -80,10 +80,20 @@ pub fn turned<R: Real>(a: R, b: R, s: R) -> (R, R) {
 /// degree four of e^{2ih}: as [`turned`] with tan h ≈ n/d, n = h(1 − 2h²/21) and d = 1 − 3h²/7 +
 /// h⁴/105. It keeps a² + b² for every h.
 #[inline(always)]
-pub fn turned_precisely<R: Real>(a: R, b: R, half: R) -> (R, R) {
+fn turned_precisely<R: Real>(a: R, b: R, half: R) -> (R, R) {
     let square = half * half;
     let n = half * (R::one() - square * (2.0 / 21.0));
     let d = R::one() - square * (R::constant(3.0 / 7.0) - square * (1.0 / 105.0));
     let factor = n * 2.0 / (n * n + d * d);
     (a + (d * b - n * a) * factor, b - (d * a + n * b) * factor)
+}
+
+/// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map or up to ninth order.
+#[inline(always)]
+pub fn turned_about<R: Real>(axis: usize, y: [R; 3], k: R, precisely: bool) -> [R; 3] {
+    let (j, l) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (mut z, half) = (y, k * 0.5 * y[axis]);
+    (z[j], z[l]) =
+        if precisely { turned_precisely(y[j], y[l], half) } else { turned(y[j], y[l], half) };
+    z
 }

@@ -4,7 +4,7 @@ use real::Real;
 
 use crate::{
     Flows, ImplicitStep, Invariant, PoissonSystem,
-    cayley::{turned, turned_precisely},
+    cayley::{turned, turned_about},
     system::no_invariant,
 };
 
@@ -24,10 +24,7 @@ impl Flows<3, 1> for MaxwellBloch {
     #[inline(always)]
     fn flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
         match part {
-            0 => {
-                let (second, third) = turned(y[1], y[2], dt * 0.5 * y[0]);
-                [y[0], second, third]
-            }
+            0 => turned_about(0, y, dt, false),
             _ => [y[0] + (dt + dw[0]) * y[1], y[1], y[2]],
         }
     }
@@ -35,10 +32,7 @@ impl Flows<3, 1> for MaxwellBloch {
     #[inline(always)]
     fn precise_flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
         match part {
-            0 => {
-                let (second, third) = turned_precisely(y[1], y[2], dt * 0.5 * y[0]);
-                [y[0], second, third]
-            }
+            0 => turned_about(0, y, dt, true),
             _ => self.flow(part, y, dt, dw),
         }
     }

@@ -4,7 +4,7 @@ use real::Real;
 
 use crate::{
     Flows, Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError,
-    cayley::{cayley_cross, cross, turned, turned_precisely},
+    cayley::{cayley_cross, cross, turned_about},
     error::{finite, positive},
     system::no_invariant,
 };
@@ -82,16 +82,6 @@ impl<const M: usize> RigidBody<M> {
         }
         k
     }
-}
-
-/// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map or up to ninth order.
-#[inline(always)]
-fn turned_about<R: Real>(axis: usize, y: [R; 3], k: R, precisely: bool) -> [R; 3] {
-    let (j, l) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (mut z, half) = (y, k * 0.5 * y[axis]);
-    (z[j], z[l]) =
-        if precisely { turned_precisely(y[j], y[l], half) } else { turned(y[j], y[l], half) };
-    z
 }
 
 /// Parts ½yᵢ²((1/Iᵢ − k)dt + dwᵢ/Îᵢ): rotations about the axes. The Casimir ½k|y|²dt that they lack

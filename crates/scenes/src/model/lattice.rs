@@ -31,12 +31,8 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         refuse!(reading.place("sizes"), "a size is a whole number of at least 1, got {size}");
     }
     let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-    let shape = if reading.switch("periodic", false)? {
-        Shape::periodic(&sizes)
-    } else {
-        Shape::open(&sizes)
-    };
-    let shape = shape.map_err(|error| reading.error("sizes", error))?;
+    let shape = Shape::new(&sizes, reading.switch("periodic", false)?)
+        .map_err(|error| reading.error("sizes", error))?;
     let sites = shape.sites();
     demand(format!("a lattice of {sites} sites"), SITE * sites as f64)
         .map_err(|error| reading.error("sizes", error))?;

@@ -166,12 +166,6 @@ impl SpinLattice {
         &self.shape
     }
 
-    /// The couplings.
-    #[must_use]
-    pub fn couplings(&self) -> Couplings {
-        self.couplings
-    }
-
     /// Component c of a site on path p.
     fn at(&self, y: &[Row], site: usize, c: usize, p: usize) -> f64 {
         let (row, lane) = self.description.layout.place(3 * site + c);

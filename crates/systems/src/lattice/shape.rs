@@ -38,7 +38,11 @@ impl Shape {
         Self::new(sizes, true)
     }
 
-    fn new(given: &[usize], periodic: bool) -> Result<Self, SystemError> {
+    /// The lattice with one to three sizes, [open](Self::open) or [periodic](Self::periodic).
+    ///
+    /// # Errors
+    /// Errors of [`open`](Self::open).
+    pub fn new(given: &[usize], periodic: bool) -> Result<Self, SystemError> {
         let mut sizes = [1; 3];
         let sites = given.iter().try_fold(1usize, |sites, &size| sites.checked_mul(size));
         let fits = sites.is_some_and(|sites| sites > 0 && sites <= 1 << 48);

@@ -23,6 +23,8 @@ pub struct Compiled<S, const D: usize, const M: usize> {
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
+    const NO_NOISE: [Row; M] = [[0.0; WIDTH]; M];
+
     /// The system; how B depends on y is found at `y0`.
     pub fn new(system: S, y0: [f64; D]) -> Self {
         Self { description: Description::of(&system, y0), system }
@@ -120,10 +122,6 @@ fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
         }
     }
     areas
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
-    const NO_NOISE: [Row; M] = [[0.0; WIDTH]; M];
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled<S, D, M> {
