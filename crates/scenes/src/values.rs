@@ -122,31 +122,6 @@ pub type Structure = Listed<Entries>;
 /// The initial value: a number or a formula for each component, or a file of states.
 pub type Start = Listed<At<Text>>;
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Listed<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OfListed(PhantomData))
-    }
-}
-
-/// Reads a [`Listed`], whose items keep their places.
-struct OfListed<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
-    type Value = Listed<T>;
-
-    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("a list, or a text")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
-        Ok(Listed::Text(text.to_owned()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Listed::List)
-    }
-}
-
 /// A table, or a list of tables.
 #[derive(Clone, JsonSchema)]
 #[schemars(untagged)]
@@ -174,28 +149,42 @@ impl<T> Deref for Few<T> {
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Few<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OfFew(PhantomData))
+/// Reads a list, whose items keep their places, or what stands for one.
+macro_rules! one_or_list {
+    ($type:ident, $visitor:ident, $expected:literal, $list:expr, $($visit_one:tt)+) => {
+        impl<'de, T: Deserialize<'de>> Deserialize<'de> for $type<T> {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_any($visitor(PhantomData))
+            }
+        }
+
+        struct $visitor<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for $visitor<T> {
+            type Value = $type<T>;
+
+            fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                f.write_str($expected)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(seq)).map($list)
+            }
+
+            $($visit_one)+
+        }
+    };
+}
+
+one_or_list! { Listed, OfListed, "a list, or a text", Listed::List,
+    fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+        Ok(Listed::Text(text.to_owned()))
     }
 }
 
-/// Reads a [`Few`], whose items keep their places.
-struct OfFew<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for OfFew<T> {
-    type Value = Few<T>;
-
-    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("a table, or a list of tables")
-    }
-
+one_or_list! { Few, OfFew, "a table, or a list of tables", Few::Many,
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
         T::deserialize(MapAccessDeserializer::new(map)).map(Few::One)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Few::Many)
     }
 }
 
