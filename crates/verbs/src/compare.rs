@@ -64,49 +64,41 @@ impl Verb for Compare {
     }
 
     fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
-        compare(scene, self, store, watch)
-    }
-}
-
-fn compare(
-    scene: &Scene,
-    &Compare { error, budget, .. }: &Compare,
-    store: &Store,
-    watch: &Watch,
-) -> Done<Found> {
-    let (settings, start) = (&scene.settings, Instant::now());
-    let (auto, because) = scene.model.recommended();
-    let spent = start.elapsed().as_secs_f64();
-    let wanted = CompareSettings {
-        budget_s: (budget - spent).max(0.5 * budget),
-        stop: watch.stop.clone(),
-        job: store.job().cloned(),
-        ..CompareSettings::new(error, settings.truncation, settings.key)
-    };
-    let candidates = Candidates::built_in(|id| scene.model.scheme(id))
-        .map_err(|error| scene.source.error(None, error))?;
-    let what = format!("errors and times of all schemes, {budget} s at most");
-    let problem = scene.problem();
-    let comparison = watch.under(&what, 0, |_| {
-        let told = |least, left_s| {
-            watch.progress.message(&format!(
-                "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
-            ));
+        let (&Self { error, budget, .. }, settings) = (self, &scene.settings);
+        let start = Instant::now();
+        let (auto, because) = scene.model.recommended();
+        let spent = start.elapsed().as_secs_f64();
+        let wanted = CompareSettings {
+            budget_s: (budget - spent).max(0.5 * budget),
+            stop: watch.stop.clone(),
+            job: store.job().cloned(),
+            ..CompareSettings::new(error, settings.truncation, settings.key)
         };
-        analysis::compare(&problem, &candidates, &wanted, &told)
-    });
-    watch.check()?;
-    let comparison = comparison.map_err(|error| scene.source.error(None, error))?;
-    let rule = match comparison.recommended() {
-        Some(scheme) if scheme == auto => format!("`auto` takes {auto}, too"),
-        _ => format!(
-            "`auto` takes {auto} for long times: {because}.\nThe table ranks by processor time for \
+        let candidates = Candidates::built_in(|id| scene.model.scheme(id))
+            .map_err(|error| scene.source.error(None, error))?;
+        let what = format!("errors and times of all schemes, {budget} s at most");
+        let problem = scene.problem();
+        let comparison = watch.under(&what, 0, |_| {
+            let told = |least, left_s| {
+                watch.progress.message(&format!(
+                    "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
+                ));
+            };
+            analysis::compare(&problem, &candidates, &wanted, &told)
+        });
+        watch.check()?;
+        let comparison = comparison.map_err(|error| scene.source.error(None, error))?;
+        let rule = match comparison.recommended() {
+            Some(scheme) if scheme == auto => format!("`auto` takes {auto}, too"),
+            _ => format!(
+                "`auto` takes {auto} for long times: {because}.\nThe table ranks by processor time for \
              this error at T = {}, on this machine",
-            settings.until
-        ),
-    };
-    let caption = "Errors of all schemes against their cost.";
-    let figure = Figure::new("compare", figures::comparison(&comparison), caption);
-    let text = format!("{comparison}\n{rule}.\n");
-    Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
+                settings.until
+            ),
+        };
+        let caption = "Errors of all schemes against their cost.";
+        let figure = Figure::new("compare", figures::comparison(&comparison), caption);
+        let text = format!("{comparison}\n{rule}.\n");
+        Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
+    }
 }

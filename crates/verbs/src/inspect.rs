@@ -38,44 +38,40 @@ impl Verb for Inspect {
     }
 
     fn compute(&self, scene: &Scene, _: &Store, watch: &Watch) -> Done<Found> {
-        inspect(scene, watch)
-    }
-}
-
-fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
-    let model = &scene.model;
-    let (problem, system) = (model.problem(), model.system());
-    let (known, bath, findings) = watch.under("looking at points", 0, |_| {
-        let settings = InspectSettings {
-            run: Some(model.recommended()),
-            y0: Some(problem.y0.clone()),
-            damping: Some((problem.damping, problem.t_end)),
-            friction: model.friction(),
-            areas: system.description().jacobi_holds,
+        let model = &scene.model;
+        let (problem, system) = (model.problem(), model.system());
+        let (known, bath, findings) = watch.under("looking at points", 0, |_| {
+            let settings = InspectSettings {
+                run: Some(model.recommended()),
+                y0: Some(problem.y0.clone()),
+                damping: Some((problem.damping, problem.t_end)),
+                friction: model.friction(),
+                areas: system.description().jacobi_holds,
+            };
+            (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
+        });
+        let findings = findings.map_err(|error| scene.source.error(None, error))?;
+        let law = bath.as_ref().map_or(String::new(), words);
+        let beta = bath.as_ref().and_then(|bath| bath.beta);
+        let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));
+        let text = format!("{findings}\n{law}{}", further.unwrap_or_default());
+        let text = with_names(&text, &scene.components);
+        let parts = system.description().parts.as_ref();
+        let flows = parts.map_or(&[][..], |parts| &parts.words);
+        let of_flows = match (parts, flows) {
+            // Schemes of compiled systems have flows of their own.
+            (Err(_), _) if known.equations.is_empty() => String::new(),
+            (Err(reason), _) => format!("\nNo flows, for split and nv: {reason}"),
+            (Ok(parts), []) => format!("\nFlows, for split and nv: of {} parts", parts.number),
+            (_, flows) => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
         };
-        (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
-    });
-    let findings = findings.map_err(|error| scene.source.error(None, error))?;
-    let law = bath.as_ref().map_or(String::new(), words);
-    let beta = bath.as_ref().and_then(|bath| bath.beta);
-    let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));
-    let text = format!("{findings}\n{law}{}", further.unwrap_or_default());
-    let text = with_names(&text, &scene.components);
-    let parts = system.description().parts.as_ref();
-    let flows = parts.map_or(&[][..], |parts| &parts.words);
-    let of_flows = match (parts, flows) {
-        // Schemes of compiled systems have flows of their own.
-        (Err(_), _) if known.equations.is_empty() => String::new(),
-        (Err(reason), _) => format!("\nNo flows, for split and nv: {reason}"),
-        (Ok(parts), []) => format!("\nFlows, for split and nv: of {} parts", parts.number),
-        (_, flows) => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
-    };
-    let text = format!("{}{}{of_flows}\n", known.equation(), text.trim_end());
-    let mistakes = findings.mistakes.clone();
-    let mut json = json!(findings);
-    json["bath"] = json!(bath);
-    json["flows"] = json!(flows);
-    Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
+        let text = format!("{}{}{of_flows}\n", known.equation(), text.trim_end());
+        let mistakes = findings.mistakes.clone();
+        let mut json = json!(findings);
+        json["bath"] = json!(bath);
+        json["flows"] = json!(flows);
+        Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
+    }
 }
 
 /// Describes the stationary law in words.

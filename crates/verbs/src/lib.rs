@@ -276,14 +276,7 @@ impl Watch {
     pub fn new(progress: impl Progress + 'static) -> Self {
         Self { progress: Arc::new(progress), stop: Stop::default() }
     }
-}
 
-/// Time after which the progress is reported, where no bar shows it.
-const SOON: Duration = Duration::from_secs(8);
-/// Time after which the half-width reached so far is reported.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-impl Watch {
     /// Does work to an accuracy. `work` reports its half-width so far and the part of its
     /// path-steps that is done. After a minute, and at the end, an accuracy that is not reached is
     /// reported, with the time that it takes.
@@ -355,6 +348,11 @@ impl Watch {
         }
     }
 }
+
+/// Time after which the progress is reported, where no bar shows it.
+const SOON: Duration = Duration::from_secs(8);
+/// Time after which the half-width reached so far is reported.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Does work, and calls `say` if that takes longer than `patience`.
 fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> R) -> R {

@@ -48,55 +48,54 @@ impl Verb for Order {
     }
 
     fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
-        order(scene, self.path_steps.0, store, watch)
+        let (start, job) = (Instant::now(), store.job());
+        let (scheme, because) = scheme(scene);
+        let settings = &scene.settings;
+        let measured = scene.setup(&scheme)?;
+        let sizes =
+            StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
+                .within(self.path_steps.0);
+        let sizes = StepSizes { stop: watch.stop.clone(), job: job.cloned(), ..sizes };
+        // The strong order, or a weak one.
+        let order = |setup: &Setup<'_>, phi: Option<&Observable>| -> Done<Measured> {
+            let (kind, quantity) = match phi {
+                Some(phi) => ("weak", format!("E[{}]", phi.name)),
+                None => ("strong", "y(T)".into()),
+            };
+            if let Some(job) = job {
+                job.section(&format!("{kind} order, {quantity}: "));
+            }
+            let what = format!("{kind} order of {scheme} for {quantity}");
+            let order = watch.under(&what, 0, |_| match phi {
+                Some(phi) => weak_order(setup, phi, &sizes, None),
+                None => strong_order(setup, &sizes),
+            });
+            watch.check()?;
+            Ok((quantity, order.map_err(|error| scene.steps_error(error))?))
+        };
+        let (_, strong) = order(&measured, None)?;
+        let measured = scene.collecting(measured);
+        let weak = scene
+            .tested()
+            .map(|phi| order(&measured, Some(phi)))
+            .collect::<Done<Vec<Measured>>>()?;
+        let seconds = start.elapsed().as_secs_f64();
+        let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
+        let mut text = format!("{scheme}{reason}, {seconds:.1} s\nstrong, y(T): {strong}\n");
+        for (quantity, order) in &weak {
+            text += &format!("weak, {quantity}: {order}\n");
+        }
+        let figures = figures(&scheme, &strong, &weak);
+        let [strong, weak] = described(&strong, &weak);
+        let json = json!({
+            "scheme": scheme, "because": because, "strong": strong, "weak": weak, "seconds": seconds,
+        });
+        Ok(Found::of(scene, [], &text, json, figures))
     }
 }
 
 /// A quantity with the order of its errors.
 pub type Measured = (String, analysis::Order);
-
-fn order(scene: &Scene, path_steps: u64, store: &Store, watch: &Watch) -> Done<Found> {
-    let (start, job) = (Instant::now(), store.job());
-    let (scheme, because) = scheme(scene);
-    let settings = &scene.settings;
-    let measured = scene.setup(&scheme)?;
-    let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
-        .within(path_steps);
-    let sizes = StepSizes { stop: watch.stop.clone(), job: job.cloned(), ..sizes };
-    // The strong order, or a weak one.
-    let order = |setup: &Setup<'_>, phi: Option<&Observable>| -> Done<Measured> {
-        let (kind, quantity) = match phi {
-            Some(phi) => ("weak", format!("E[{}]", phi.name)),
-            None => ("strong", "y(T)".into()),
-        };
-        if let Some(job) = job {
-            job.section(&format!("{kind} order, {quantity}: "));
-        }
-        let what = format!("{kind} order of {scheme} for {quantity}");
-        let order = watch.under(&what, 0, |_| match phi {
-            Some(phi) => weak_order(setup, phi, &sizes, None),
-            None => strong_order(setup, &sizes),
-        });
-        watch.check()?;
-        Ok((quantity, order.map_err(|error| scene.steps_error(error))?))
-    };
-    let (_, strong) = order(&measured, None)?;
-    let measured = scene.collecting(measured);
-    let weak =
-        scene.tested().map(|phi| order(&measured, Some(phi))).collect::<Done<Vec<Measured>>>()?;
-    let seconds = start.elapsed().as_secs_f64();
-    let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
-    let mut text = format!("{scheme}{reason}, {seconds:.1} s\nstrong, y(T): {strong}\n");
-    for (quantity, order) in &weak {
-        text += &format!("weak, {quantity}: {order}\n");
-    }
-    let figures = figures(&scheme, &strong, &weak);
-    let [strong, weak] = described(&strong, &weak);
-    let json = json!({
-        "scheme": scheme, "because": because, "strong": strong, "weak": weak, "seconds": seconds,
-    });
-    Ok(Found::of(scene, [], &text, json, figures))
-}
 
 /// The figures of a strong order and of weak ones.
 pub fn figures(scheme: &str, strong: &analysis::Order, weak: &[Measured]) -> Vec<Figure> {
