@@ -151,6 +151,29 @@ impl StudyResult {
     pub fn series(&self, observable: &str) -> Option<&Series> {
         self.series.iter().find(|series| series.observable == observable)
     }
+
+    /// Writes one row for each time, observable and quantity, as CSV with the columns `t`,
+    /// `observable`, `quantity`, `value`, `lo`, `hi` and `note`. `lo` and `hi` are the ends of the
+    /// 95 % interval. What is not known is empty. Numbers are written in the shortest form that is
+    /// read back to the same bits.
+    ///
+    /// | quantity | value |
+    /// |---|---|
+    /// | `count`, `not finite` | number of values, and of those that are not finite and left out |
+    /// | `mean` | mean with interval; a note says why there is none |
+    /// | `variance`, `deviation` | variance, standard deviation |
+    /// | `least`, `largest` | smallest and largest value |
+    /// | `q0.05` … | quantile with interval; a note says why there is no value |
+    /// | `below grid`, `above grid` | number of values outside of the bins |
+    ///
+    /// Histograms and the record are among the fields, which serialize.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "{COLUMNS}")?;
+        write_rows(&self.series, "", out)
+    }
 }
 
 impl Series {
@@ -210,31 +233,6 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> V
         }
     }
     warnings
-}
-
-impl StudyResult {
-    /// Writes one row for each time, observable and quantity, as CSV with the columns `t`,
-    /// `observable`, `quantity`, `value`, `lo`, `hi` and `note`. `lo` and `hi` are the ends of the
-    /// 95 % interval. What is not known is empty. Numbers are written in the shortest form that is
-    /// read back to the same bits.
-    ///
-    /// | quantity | value |
-    /// |---|---|
-    /// | `count`, `not finite` | number of values, and of those that are not finite and left out |
-    /// | `mean` | mean with interval; a note says why there is none |
-    /// | `variance`, `deviation` | variance, standard deviation |
-    /// | `least`, `largest` | smallest and largest value |
-    /// | `q0.05` … | quantile with interval; a note says why there is no value |
-    /// | `below grid`, `above grid` | number of values outside of the bins |
-    ///
-    /// Histograms and the record are among the fields, which serialize.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        writeln!(out, "{COLUMNS}")?;
-        write_rows(&self.series, "", out)
-    }
 }
 
 /// The columns of [`write_rows`].

@@ -210,6 +210,80 @@ impl Histogram {
             self.above += above;
         }
     }
+
+    /// The first place with values for which `reached` holds of the number of values up to its end:
+    /// its number among underflow, bins and overflow, and the number of values below it.
+    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
+        let mut before = 0;
+        let places = [self.below].into_iter().chain(self.counts.iter().copied());
+        for (place, count) in places.enumerate() {
+            if count > 0 && reached(before + count) {
+                return (place, before);
+            }
+            before += count;
+        }
+        (self.counts.len() + 1, before)
+    }
+
+    /// The edges of a bin. Those of the underflow begin at the least value, those of the overflow
+    /// end at the largest; and no value lies beyond these.
+    fn ends(&self, place: usize, (least, largest): (f64, f64)) -> (f64, f64) {
+        let (place, last) = (place as u32, self.grid.bins + 1);
+        let lo = if place == 0 { least } else { self.grid.edge(place - 1) };
+        let hi = if place == last { largest } else { self.grid.edge(place) };
+        (lo.max(least), hi.min(largest))
+    }
+
+    /// The quantile of values in `range`, with the numbers of values that are equal to its two
+    /// ends.
+    fn quantile(
+        &self,
+        (level, (l, u)): Ranks,
+        range: Option<(f64, f64)>,
+        ends: [u64; 2],
+    ) -> Quantile {
+        let Some(range) = range else {
+            return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
+        };
+        let n = self.below + self.counts.iter().sum::<u64>() + self.above;
+        let rank = level * n as f64;
+        // Values equal to the ends are known, and count no more in their bins. One is no atom.
+        let [low, high] = ends.map(|n| if n > 1 { n } else { 0 });
+        let [first, last] = [1, n].map(|rank| self.find(|up_to| up_to >= rank).0);
+        let others = |place: usize| {
+            let count = match place.checked_sub(1) {
+                None => self.below,
+                Some(bin) => self.counts.get(bin).copied().unwrap_or(self.above),
+            };
+            let known = [(first, low), (last, high)].map(|(at, n)| if at == place { n } else { 0 });
+            count.saturating_sub(known[0] + known[1])
+        };
+        let (place, before) = self.find(|up_to| up_to as f64 >= rank);
+        let (before, count) = (before.max(low), others(place));
+        let ends = |rank: u64| match rank {
+            _ if rank <= low => (range.0, range.0),
+            _ if rank > n - high => (range.1, range.1),
+            _ => self.ends(self.find(|up_to| up_to >= rank).0, range),
+        };
+        let (value, place) = if rank <= low as f64 {
+            (Some(range.0), Place::Inside)
+        } else if rank > (n - high) as f64 {
+            (Some(range.1), Place::Inside)
+        } else if place == 0 {
+            (None, Place::BelowGrid)
+        } else if place > self.counts.len() {
+            (None, Place::AboveGrid)
+        } else if count > MORE + TIMES * others(place - 1).max(others(place + 1)) {
+            (None, Place::Crowded)
+        } else {
+            let share = (rank - before as f64) / count as f64;
+            let value = self.grid.edge(place as u32 - 1) + share * self.grid.width;
+            (Some(value.clamp(range.0, range.1)), Place::Inside)
+        };
+        let lo = (l > 0).then(|| ends(l).0);
+        let hi = (u <= n).then(|| ends(u).1);
+        Quantile { level, value, lo, hi, place }
+    }
 }
 
 impl Summary {
@@ -304,82 +378,6 @@ impl Summary {
 
 /// The level of a quantile, and the ranks that enclose it.
 pub type Ranks = (f64, (u64, u64));
-
-impl Histogram {
-    /// The first place with values for which `reached` holds of the number of values up to its end:
-    /// its number among underflow, bins and overflow, and the number of values below it.
-    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
-        let mut before = 0;
-        let places = [self.below].into_iter().chain(self.counts.iter().copied());
-        for (place, count) in places.enumerate() {
-            if count > 0 && reached(before + count) {
-                return (place, before);
-            }
-            before += count;
-        }
-        (self.counts.len() + 1, before)
-    }
-
-    /// The edges of a bin. Those of the underflow begin at the least value, those of the overflow
-    /// end at the largest; and no value lies beyond these.
-    fn ends(&self, place: usize, (least, largest): (f64, f64)) -> (f64, f64) {
-        let (place, last) = (place as u32, self.grid.bins + 1);
-        let lo = if place == 0 { least } else { self.grid.edge(place - 1) };
-        let hi = if place == last { largest } else { self.grid.edge(place) };
-        (lo.max(least), hi.min(largest))
-    }
-
-    /// The quantile of values in `range`, with the numbers of values that are equal to its two
-    /// ends.
-    fn quantile(
-        &self,
-        (level, (l, u)): Ranks,
-        range: Option<(f64, f64)>,
-        ends: [u64; 2],
-    ) -> Quantile {
-        let Some(range) = range else {
-            return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
-        };
-        let n = self.below + self.counts.iter().sum::<u64>() + self.above;
-        let rank = level * n as f64;
-        // Values equal to the ends are known, and count no more in their bins. One is no atom.
-        let [low, high] = ends.map(|n| if n > 1 { n } else { 0 });
-        let [first, last] = [1, n].map(|rank| self.find(|up_to| up_to >= rank).0);
-        let others = |place: usize| {
-            let count = match place.checked_sub(1) {
-                None => self.below,
-                Some(bin) => self.counts.get(bin).copied().unwrap_or(self.above),
-            };
-            let known = [(first, low), (last, high)].map(|(at, n)| if at == place { n } else { 0 });
-            count.saturating_sub(known[0] + known[1])
-        };
-        let (place, before) = self.find(|up_to| up_to as f64 >= rank);
-        let (before, count) = (before.max(low), others(place));
-        let ends = |rank: u64| match rank {
-            _ if rank <= low => (range.0, range.0),
-            _ if rank > n - high => (range.1, range.1),
-            _ => self.ends(self.find(|up_to| up_to >= rank).0, range),
-        };
-        let (value, place) = if rank <= low as f64 {
-            (Some(range.0), Place::Inside)
-        } else if rank > (n - high) as f64 {
-            (Some(range.1), Place::Inside)
-        } else if place == 0 {
-            (None, Place::BelowGrid)
-        } else if place > self.counts.len() {
-            (None, Place::AboveGrid)
-        } else if count > MORE + TIMES * others(place - 1).max(others(place + 1)) {
-            (None, Place::Crowded)
-        } else {
-            let share = (rank - before as f64) / count as f64;
-            let value = self.grid.edge(place as u32 - 1) + share * self.grid.width;
-            (Some(value.clamp(range.0, range.1)), Place::Inside)
-        };
-        let lo = (l > 0).then(|| ends(l).0);
-        let hi = (u <= n).then(|| ends(u).1);
-        Quantile { level, value, lo, hi, place }
-    }
-}
 
 #[cfg(test)]
 mod tests {

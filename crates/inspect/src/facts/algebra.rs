@@ -50,6 +50,12 @@ pub fn times(matrix: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| dot(row, v)).collect()
 }
 
+/// The product of two matrices.
+pub fn multiplied(a: &Matrix, b: &Matrix) -> Matrix {
+    let columns = transposed(b);
+    a.iter().map(|row| times(&columns, row)).collect()
+}
+
 /// The spectral radius by Gelfand's formula ρ = lim ‖Aᵏ‖^{1/k} with k = 2^squarings, to the factor
 /// 1 ± n ln κ/k, κ the condition of the eigenvectors.
 pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
@@ -61,8 +67,7 @@ pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
         }
         log_radius += ln(size) * f64::powi(0.5, n as i32);
         power.iter_mut().flatten().for_each(|x| *x /= size);
-        let columns = transposed(&power);
-        power = power.iter().map(|row| times(&columns, row)).collect();
+        power = multiplied(&power, &power);
     }
     exp(log_radius)
 }

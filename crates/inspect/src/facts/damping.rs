@@ -91,9 +91,7 @@ impl DampingIntegral {
         found.none = total.size == 0.0 && found.defect == 0.0;
         found
     }
-}
 
-impl DampingIntegral {
     /// Describes the mistake, if the integral is known to be wrong.
     pub fn mistake(&self) -> Option<String> {
         let words = format!("the integral of the damping is not that of its rate: {self}");

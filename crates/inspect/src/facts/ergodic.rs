@@ -5,8 +5,8 @@ use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
 use super::{
-    Batch, Matrix, Probe, Purpose, Random, axis, dot, largest, moved, norm, null_space, scaled,
-    seen, transposed,
+    Batch, Matrix, Probe, Purpose, Random, axis, largest, moved, multiplied, norm, null_space,
+    scaled, seen, transposed,
 };
 
 /// The directions that noises reach along a path, and those of the leaf of B.
@@ -65,8 +65,7 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
         let size = a.iter().map(|row| norm(row)).fold(1e-3, f64::max);
         let h = LENGTH / size;
         let (next, flow) = step(&mut probe, &y, &weights, h);
-        let turned = product(&flow, &product(&c, &transposed(&flow)));
-        c = turned;
+        c = multiplied(&flow, &multiplied(&c, &transposed(&flow)));
         y = next;
         if !y.iter().all(|y| y.is_finite()) || !probe.in_domain(&y) {
             return None;
@@ -91,11 +90,6 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
     Some(Span { reached, leaf, never })
 }
 
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    let columns = transposed(b);
-    a.iter().map(|row| columns.iter().map(|column| dot(row, column)).collect()).collect()
-}
-
 /// The field B∇h at y and its derivative.
 fn derivative(probe: &mut Probe<'_>, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
     let y = [y.to_vec()];
@@ -114,7 +108,7 @@ fn step(probe: &mut Probe<'_>, y: &[f64], weights: &[f64], h: f64) -> (Vec<f64>,
         let by = |k: usize| moved(&unit[k], part * h, &turned[k]);
         let by: Matrix = (0..y.len()).map(by).collect();
         let (field, a) = derivative(probe, &at, weights);
-        (last, turned) = (field, product(&a, &by));
+        (last, turned) = (field, multiplied(&a, &by));
         to = moved(&to, weight * h / 6.0, &last);
         let next = flow.iter().zip(&turned).map(|(row, more)| moved(row, weight * h / 6.0, more));
         flow = next.collect();

@@ -41,14 +41,10 @@ fn all_ids() -> impl Iterator<Item = &'static str> {
     [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
 }
 
-fn main() -> Result<ExitCode> {
-    run(&Arguments::parse())
-}
-
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
 /// refuted, and not for a documented misprint in it.
-fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let start = Instant::now();
+fn main() -> Result<ExitCode> {
+    let (arguments, start) = (Arguments::parse(), Instant::now());
     arguments.simd.into_iter().for_each(limit_to);
     files::prepare(&arguments.out)?;
     arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
