@@ -38,20 +38,6 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Rows of 32 paths in one tile, with noise m in row m.
-    #[must_use]
-    pub fn paths(dimension: usize, noises: usize) -> Self {
-        Self {
-            lanes: Lanes::Paths,
-            rows: dimension,
-            tile_rows: dimension,
-            reach: 1,
-            site: 1,
-            noise_rows: noises,
-            local_noise: false,
-        }
-    }
-
     /// Rows of one path in tiles of `tile_rows` rows, with noise m in row m. Each tile has the
     /// first components of its sites, then the second ones, and so on.
     #[must_use]
@@ -138,7 +124,8 @@ pub struct Description {
 }
 
 impl Description {
-    /// A system on rows of 32 paths, with any B, no parts, no invariants and no guard.
+    /// A system on rows of 32 paths in one tile, with noise m in row m, any B, no parts, no
+    /// invariants and no guard.
     ///
     /// ∇h is affine for a rule with one node.
     #[must_use]
@@ -148,7 +135,15 @@ impl Description {
             parameters: String::new(),
             dimension,
             noises,
-            layout: Layout::paths(dimension, noises),
+            layout: Layout {
+                lanes: Lanes::Paths,
+                rows: dimension,
+                tile_rows: dimension,
+                reach: 1,
+                site: 1,
+                noise_rows: noises,
+                local_noise: false,
+            },
             linearity: Linearity::Other,
             joined: Vec::new(),
             always_solvable: false,
