@@ -25,7 +25,8 @@ impl FoundCasimir {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
         sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))), 0.0);
-        let minimum = Minimum::of(&form, sight.points.are_positive());
+        let are_positive = sight.points.for_suprema.iter().flatten().all(|y| *y > 0.0);
+        let minimum = Minimum::of(&form, are_positive);
         Self { formula: form.formula(), minimum, form, casimir }
     }
 }

@@ -50,6 +50,8 @@ impl Noises {
             }
             false => vec![vec![along(0, &fields[1])], vec![along(1, &fields[0])]],
         };
+        let norms = points.for_identities.iter().map(|y| norm(y));
+        let extent = norms.fold(f64::MIN_POSITIVE, f64::max);
         for (l, m) in (0..weights.len()).flat_map(|l| (0..l).map(move |m| (l, m))) {
             let entry = |n: usize, i: usize| {
                 let product = |l: usize, m: usize, sign: f64| {
@@ -67,7 +69,7 @@ impl Noises {
                     None => norm(&fields[m][n * CLUSTER]),
                 };
                 // The size of a derivative of fields that are not nearly constant.
-                let typical = length(l) * length(m) / points.extent();
+                let typical = length(l) * length(m) / extent;
                 let record = |to: &mut Finding| {
                     to.record(&points.for_identities[n], cluster, typical);
                 };

@@ -112,16 +112,6 @@ impl Points {
         states
     }
 
-    /// Whether all components of all points are positive.
-    pub fn are_positive(&self) -> bool {
-        self.for_suprema.iter().flatten().all(|y| *y > 0.0)
-    }
-
-    /// The largest ‖y‖ of the points for identities.
-    pub fn extent(&self) -> f64 {
-        self.for_identities.iter().map(|y| norm(y)).fold(f64::MIN_POSITIVE, f64::max)
-    }
-
     /// Adds the initial value, and points around it.
     pub fn add_start(&mut self, probe: &Probe<'_>, y0: &[f64]) {
         let mut random = Random::new(Purpose::Around);

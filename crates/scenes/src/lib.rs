@@ -194,7 +194,7 @@ impl Scene {
             _ if !named.is_empty() => {
                 scene.accuracy = file.expect.as_ref().map(|table| *table.accuracy);
                 let of = scene.expect(&named, &mut vocabulary);
-                of.map_err(|error| Wrong::in_option("--of", error))?;
+                of.map_err(|Wrong { message, .. }| Wrong::new(None, format!("--of: {message}")))?;
             }
             Some(ExpectTable { of, accuracy, .. }) => {
                 let half_width = **accuracy;

@@ -64,11 +64,6 @@ impl Observable {
     pub fn new(name: impl Into<String>, quantity: Quantity) -> Self {
         Self { name: name.into(), quantity }
     }
-
-    /// Whether the observable is a component of the state.
-    pub fn is_component(&self) -> bool {
-        matches!(self.quantity, Quantity::Component(_))
-    }
 }
 
 impl Observe for Observable {

@@ -29,7 +29,7 @@ pub struct SceneError {
 /// An error in a scene before its source is named: see [`Source::located`].
 #[derive(Debug)]
 pub struct Wrong {
-    message: String,
+    pub(crate) message: String,
     place: Option<Range<usize>>,
     /// Text of the formula at the place, and the part of it that is meant.
     part: Option<(String, Range<usize>)>,
@@ -39,11 +39,6 @@ pub struct Wrong {
 pub type Read<T> = Result<T, Wrong>;
 
 impl Wrong {
-    /// An error in what the command line has in the place of the scene.
-    pub fn in_option(option: &str, Self { message, .. }: Self) -> Self {
-        Self::new(None, format!("{option}: {message}"))
-    }
-
     /// An error at a place, or about the whole scene.
     pub fn new(place: impl Into<Option<Range<usize>>>, message: impl Display) -> Self {
         Self { message: message.to_string(), place: place.into(), part: None }

@@ -14,7 +14,7 @@ use crate::{
     failure::{Done, Failure},
     output,
 };
-use scenes::{Combination, Observable, Scene, Sweep, model::Known};
+use scenes::{Combination, Observable, Quantity, Scene, Sweep, model::Known};
 
 /// Results of a run.
 pub struct Results {
@@ -209,7 +209,8 @@ impl<'a> Ready<'a> {
         let simulation = Simulation::new(setup.clone(), truncation);
         let mut simulation = simulation.every(steps / settings.times);
         (simulation.components, simulation.stop) = (components.clone(), watch.stop.clone());
-        for observable in observables.iter().filter(|observable| !observable.is_component()) {
+        let is_component = |phi: &&Observable| matches!(phi.quantity, Quantity::Component(_));
+        for observable in observables.iter().filter(|phi| !is_component(phi)) {
             simulation = simulation.observing(observable.clone());
         }
         simulation.demand(steps, settings.tables).map_err(wrong)?;

@@ -24,7 +24,7 @@ impl Form {
         self.coefficients.chunks(d).map(<[f64]>::to_vec).collect()
     }
 
-    /// The formula in y1, y2, …, coefficients to six digits.
+    /// The formula in y1, y2, … such as `2 y1 − y2`, coefficients to six decimals.
     pub fn formula(&self) -> String {
         let c = &self.coefficients;
         let d = if self.degree < 2 { c.len() } else { c.len().isqrt() };
@@ -36,7 +36,20 @@ impl Form {
             (_, false) => (c[i * d + j], format!("y{} y{}", i + 1, j + 1)),
         };
         let products = products.into_iter().filter(|_| self.degree == 2);
-        sum_of_terms(squares.into_iter().chain(products).map(term))
+        let mut formula = String::new();
+        for (coefficient, symbol) in squares.into_iter().chain(products).map(term) {
+            let sign = match (formula.is_empty(), coefficient < 0.0) {
+                _ if coefficient == 0.0 => continue,
+                (true, false) => "",
+                (true, true) => "−",
+                (false, false) => " + ",
+                (false, true) => " − ",
+            };
+            let size = (coefficient.abs() * 1e6).round() / 1e6;
+            let size = if size == 1.0 { String::new() } else { format!("{size} ") };
+            formula += &format!("{sign}{size}{symbol}");
+        }
+        formula
     }
 
     /// Gradient at y; for logarithms, multiplied by the product of the components that occur.
@@ -75,23 +88,6 @@ pub fn without_own(c: &[f64], y: &[f64]) -> Vec<f64> {
 /// Index pairs (i, j), i ≤ j, of the entries of a symmetric matrix.
 pub fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..d).flat_map(move |i| (i..d).map(move |j| (i, j)))
-}
-
-/// Formats a sum of terms, for example `2 a − b`, with six decimals and without zero terms.
-pub fn sum_of_terms(terms: impl Iterator<Item = (f64, String)>) -> String {
-    let mut formula = String::new();
-    for (coefficient, symbol) in terms.filter(|(coefficient, _)| *coefficient != 0.0) {
-        let sign = match (formula.is_empty(), coefficient < 0.0) {
-            (true, false) => "",
-            (true, true) => "−",
-            (false, false) => " + ",
-            (false, true) => " − ",
-        };
-        let size = (coefficient.abs() * 1e6).round() / 1e6;
-        let size = if size == 1.0 { String::new() } else { format!("{size} ") };
-        formula += &format!("{sign}{size}{symbol}");
-    }
-    formula
 }
 
 /// The multiple of x whose smallest coefficient is ±1 and whose first one is positive. Coefficients
