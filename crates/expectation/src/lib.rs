@@ -199,8 +199,11 @@ struct Orders {
 
 /// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;
-/// The number of these after which derivatives that are not finite are given up.
+/// The number of these after which derivatives that are not finite are given up, for steps below
+/// [`SHORT`].
 const SEPARATED: u32 = 3;
+/// Step size in units of time.
+const SHORT: f64 = 0.125;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
 /// refused.
 const LONGEST: f64 = 4_194_304.0;
@@ -406,10 +409,13 @@ impl<'a> Expect<'a> {
                     }
                     best = Ok(found);
                 }
-                // Nearby paths that separate do so at all steps.
+                // Nearby paths separate where steps are too long, and in chaos at all steps.
                 Err(error @ RunError::NotFinite { .. })
-                    if !self.parameters.is_empty()
-                        && attempt as u32 % (REFINEMENTS + 1) == SEPARATED =>
+                    if !self.parameters.is_empty() && {
+                        let doubled = attempt as u32 % (REFINEMENTS + 1);
+                        let tau = candidate.setup.problem.t_end / steps as f64;
+                        doubled == REFINEMENTS || doubled >= SEPARATED && tau < SHORT
+                    } =>
                 {
                     return Err(error);
                 }

@@ -85,10 +85,13 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
         return Err(Failure::Stopped("before the first estimates".into()));
     }
-    if let (Err(RunError::NotFinite { observable, .. }), true) = (&found, nearby.is_some()) {
+    let is_slope = |name: &str| scene.expected.iter().all(|phi| phi.name != name);
+    if let Err(RunError::NotFinite { observable, .. }) = &found
+        && is_slope(observable)
+    {
         let message = format!(
             "E[{observable}] cannot be told: paths at the parameter and nearby separate before T = \
-             {}, as in chaos. Take a shorter time",
+             {}, at a barrier or in chaos. Take a shorter time",
             scene.settings.until
         );
         return Err(scene.source.error(None, message).into());

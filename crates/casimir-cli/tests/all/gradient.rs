@@ -154,6 +154,6 @@ of = ["q1"]
 accuracy = 1e-2
 gradient = ["l"]
 "#;
-    let words = ["E[∂q1/∂l] cannot be told", "separate before T = 200, as in chaos"];
+    let words = ["E[∂q1/∂l] cannot be told", "separate before T = 200, at a barrier or in chaos"];
     fails(with_scene(scene).path(), &["expect", "scene.toml"], 2, &words);
 }
