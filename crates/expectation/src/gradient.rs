@@ -2,20 +2,20 @@
 //!
 //! Paths of the problem and of nearby ones, in each of which one parameter is changed a little, go
 //! side by side on the same noise. The difference of φ over the change is a sample of the
-//! derivative, with an error of the order of the change: below 10⁻⁶ of it for a change of 10⁻⁷ of
-//! the parameter. So all schemes, damping and initial values are differentiated, and levels and
-//! Sobol points serve derivatives as they serve values.
+//! derivative. Its error is of the order of the [distance](Expect::distances) of nearby states over
+//! their size, for fields and φ without jumps. Levels and Sobol points serve derivatives as they
+//! serve values.
 
 use std::{ops::Range, sync::Arc};
 
-use noise::StepNoise;
+use noise::{StepNoise, WienerRows};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, elementary::hypot};
 use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
-use super::{Candidate, Expect};
-use mc::{Observe, RunError};
+use super::{Candidate, Expect, Expectation};
+use mc::{Observe, RunError, Setup};
 
 /// A problem in which one parameter is changed a little.
 pub struct Nearby<'a> {
@@ -23,6 +23,8 @@ pub struct Nearby<'a> {
     pub parameter: String,
     /// The change of the parameter.
     pub change: f64,
+    /// Difference of the parameter in the problem from the wanted one, small beside the change.
+    pub offset: f64,
     /// Expectations of the changed problem, by the same schemes.
     pub expect: Expect<'a>,
     /// The test functions, which may depend on the parameter.
@@ -33,13 +35,23 @@ pub struct Nearby<'a> {
 pub struct Parameter<'a> {
     pub name: String,
     change: f64,
+    offset: f64,
     observables: Vec<&'a dyn Observe>,
 }
 
 /// Distance of nearby states, over their size, beyond which the difference is no derivative.
 const APART: f64 = 1e-3;
-/// Fractions of T at which dampings are compared.
-const TIMES: [f64; 4] = [0.13, 0.38, 0.71, 1.0];
+/// Part of a derivative that curvature may add at distances of 10⁻⁷ or 10⁻⁶.
+const CURVATURE: f64 = 1e-6;
+/// Rounding errors of φ over it.
+const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+/// Numbers of steps by which distances are found, the first that keeps nearby states close.
+const PILOTS: [u64; 4] = [64, 512, 4096, 32_768];
+
+/// Whether all distances are small.
+fn close(distances: &[f64]) -> bool {
+    distances.iter().all(|&distance| distance < APART)
+}
 
 impl<'a> Expect<'a> {
     /// Adds ∂E\[φ(y(T))\]/∂θ for every φ and the parameter θ of each nearby problem, to the same
@@ -53,7 +65,7 @@ impl<'a> Expect<'a> {
     /// depends on the parameter.
     pub fn with_gradient(mut self, nearby: Vec<Nearby<'a>>) -> Result<Self, RunError> {
         let mut all: Vec<Vec<Candidate<'a>>> = Vec::new();
-        for Nearby { parameter, change, expect, observables } in nearby {
+        for Nearby { parameter, change, offset, expect, observables } in nearby {
             let ids = |expect: &Expect<'_>| -> Vec<&str> {
                 expect.candidates.iter().map(|one| one.setup.scheme.about().id).collect()
             };
@@ -62,17 +74,13 @@ impl<'a> Expect<'a> {
                 return Err(RunError::Setting(format!("derivative by {parameter}: {why}")));
             }
             all.push(expect.candidates);
-            self.parameters.push(Parameter { name: parameter, change, observables });
+            self.parameters.push(Parameter { name: parameter, change, offset, observables });
         }
         for (k, candidate) in self.candidates.iter_mut().enumerate() {
             let problem = &candidate.setup.problem;
             let near = |of: &Candidate<'a>, scheme: &Arc<dyn Method + 'a>| {
                 let other = &of.setup.problem;
-                let integrals = |damping: &dyn Damping| {
-                    TIMES.map(|t| (damping.integral(0.0, t * problem.t_end), damping.rate(t)))
-                };
-                let damping = (integrals(problem.damping) != integrals(other.damping))
-                    .then_some(other.damping);
+                let damping = Some(other.damping);
                 let shift = problem.y0.iter().zip(&other.y0).map(|(y, near)| near - y).collect();
                 Near { method: Arc::clone(scheme), damping, shift }
             };
@@ -93,6 +101,51 @@ impl<'a> Expect<'a> {
         Ok(self)
     }
 
+    /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
+    /// 10⁻⁶ of it and rounding errors of φ over the change, of each value its offset.
+    pub(super) fn bound(&self, found: &mut Expectation) {
+        for (parameter, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
+            for (own, slope) in found.estimates.iter_mut().zip(slopes) {
+                let rounding = ROUND_OFF * own.value.abs() / parameter.change.abs();
+                slope.bias_bound += CURVATURE * slope.value.abs() + rounding;
+                own.bias_bound += (slope.value * parameter.offset).abs();
+            }
+        }
+    }
+
+    /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
+    /// each parameter: 10⁻⁷ balances rounding errors and curvature. NaN where paths fail at all of
+    /// some numbers of steps.
+    pub fn distances(&self) -> Vec<f64> {
+        let steps = PILOTS.into_iter().map(|steps| self.distances_with(steps));
+        let all = steps.reduce(|before, now| if close(&before) { before } else { now });
+        all.unwrap_or_default()
+    }
+
+    fn distances_with(&self, steps: u64) -> Vec<f64> {
+        let Setup { problem, scheme } = &self.candidates[0].setup;
+        let (d, number) = (problem.y0.len(), self.parameters.len());
+        let tau = problem.t_end / steps as f64;
+        let mut paths = scheme.start(&problem.start(self.settings.key, 0));
+        let mut noise = scheme.no_noise(problem.noises);
+        let mut wiener = WienerRows::new(self.settings.key, 0);
+        let mut status = BlockStatus::explicit();
+        let mut live = PathMask::ALL;
+        for n in 0..steps {
+            let Ok(step) = Step::new(problem.damping, n, tau) else { break };
+            wiener.increments(tau.sqrt(), &mut noise.increments);
+            paths.step(&step, &noise, &mut status);
+            live = live.without(status.failed);
+        }
+        let rows = paths.state();
+        let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
+            live.paths().map(|p| (0..d).map(|i| of(i, p).powi(2)).sum::<f64>()).sum()
+        };
+        let size = square(&|i, p| rows[i][p]);
+        let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
+        (0..number).map(|k| (apart(k) / size).sqrt()).collect()
+    }
+
     /// The test functions on rows side by side, and their derivatives.
     pub(super) fn with_slopes<'b>(&'b self, observables: &[&'b dyn Observe]) -> Vec<OnRows<'b>> {
         let dimension = self.candidates[0].setup.problem.y0.len();
@@ -102,7 +155,7 @@ impl<'a> Expect<'a> {
             OnRows { name, phi: *phi, rows: rows(0), slope: None }
         };
         let slopes = self.parameters.iter().enumerate().flat_map(|(k, parameter)| {
-            let Parameter { name, change, observables: near } = parameter;
+            let Parameter { name, change, observables: near, .. } = parameter;
             observables.iter().zip(near).map(move |(phi, near)| OnRows {
                 name: format!("∂{}/∂{name}", phi.name()),
                 phi: *phi,
@@ -139,7 +192,7 @@ impl Observe for OnRows<'_> {
                 apart = hypot(apart, own[p] - other[p]);
                 size = hypot(size, own[p]);
             }
-            values[p] = match apart > APART * size && apart > APART * change.abs() * 1e7 {
+            values[p] = match apart > APART * size && apart > APART {
                 true => f64::NAN,
                 false => (nearby[p] - values[p]) / change,
             };

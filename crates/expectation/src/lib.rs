@@ -366,6 +366,7 @@ impl<'a> Expect<'a> {
             (parameter.name.clone(), slopes.by_ref().take(observables.len()).collect())
         };
         found.gradient = self.parameters.iter().map(of).collect();
+        self.bound(&mut found);
         Ok(found)
     }
 

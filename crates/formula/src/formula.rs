@@ -5,6 +5,8 @@ use std::{collections::BTreeSet, slice::from_ref, sync::Arc};
 use expression::place;
 use real::Row;
 
+use expression::Unary;
+
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
 /// A formula in named variables.
@@ -131,6 +133,17 @@ impl Formula {
         let root = excess(&mut graph, self.root)?;
         let tape = on_variables(&graph, &[root], &self.variables);
         Some(Self { root, tape, graph, ..self.clone() })
+    }
+
+    /// Whether the formula has `abs`, `min` or `max` of variables.
+    #[must_use]
+    pub fn has_kinks(&self) -> bool {
+        let is_kink = |id| match self.graph.node(id) {
+            Node::Unary(Unary::Abs, _) => true,
+            Node::Binary(function, ..) => matches!(function, Binary::Min | Binary::Max),
+            _ => false,
+        };
+        self.graph.needed(&[self.root]).into_iter().any(is_kink)
     }
 
     /// Whether there are conditions in the formula, so that it may jump.

@@ -53,7 +53,7 @@ pub use read::{Constants, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source, Wrong};
-pub use sweep::{Combination, Nearby, Set, Sweep, Varied};
+pub use sweep::{Combination, GENERIC, Nearby, Set, Sweep, Varied};
 pub use values::{At, Count, Listed, Parameter, Text, count, digits, place};
 
 use std::{fmt::Display, path::Path, sync::Arc};
@@ -279,12 +279,14 @@ impl Scene {
         })
     }
 
-    /// Scenes near this one, for derivatives by its [`gradient`](Self::gradient).
+    /// Scenes near this one, each with a [parameter](Self::gradient) changed by its number.
     ///
     /// # Errors
     /// [`SceneError`] if there is no such parameter, or a changed scene is none.
-    pub fn nearby(&self) -> Result<Nearby, SceneError> {
-        Nearby::new(&self.source, &self.changes, &self.gradient)
+    pub fn nearby(&self, changes: &[f64]) -> Result<Nearby, SceneError> {
+        let parameters: Vec<_> =
+            self.gradient.iter().cloned().zip(changes.iter().copied()).collect();
+        Nearby::new(&self.source, &self.changes, &parameters)
     }
 
     /// Adds the quantities that paths collect to a setup.

@@ -10,7 +10,7 @@ use super::{
     file::SceneFile,
     read::{self, Constants, among},
     source::{Read, SceneError, Source},
-    values::{At, MAX_VALUES, Parameter, Text, Values},
+    values::{At, Listed, MAX_VALUES, Parameter, Text, Values},
 };
 use crate::refuse;
 
@@ -190,35 +190,34 @@ fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
     Ok(all)
 }
 
-/// Part of a parameter, or of one where it is zero, by which a nearby scene differs.
-const NEARBY: f64 = 1e-7;
-/// Part by which generic numbers differ from those given: formulas with 0.500000001 have the form
-/// of those nearby, while those with 0, ½ or 1 are simpler.
-const GENERIC: f64 = 1e-9;
+/// Part of the change of a parameter by which numbers are generic: formulas with 0.500000001 have
+/// the form of those nearby, while those with 0, ½ or 1 are simpler.
+pub const GENERIC: f64 = 0.01;
 
 /// A scene at generic parameters, and nearby ones in each of which one parameter is changed a
 /// little.
 pub struct Nearby {
-    /// The scene, with parameters that differ by 10⁻⁹ of their values.
+    /// The scene, with parameters that differ from those given by a part of their change.
     pub scene: Scene,
     /// For each parameter its name, its change, and the changed scene.
     pub changed: Vec<(String, f64, Scene)>,
 }
 
 impl Nearby {
-    /// Scenes near that of a text with the changes that a command line makes.
+    /// Scenes near that of a text with the changes that a command line makes; each parameter is
+    /// changed by the second number beside its name.
     ///
     /// # Errors
     /// [`SceneError`] if there is no such parameter, or a changed scene is none.
     pub fn new(
         source: &Source,
         changes: &Changes,
-        parameters: &[String],
+        parameters: &[(String, f64)],
     ) -> Result<Self, SceneError> {
         source.located(Self::of(source, changes, parameters))
     }
 
-    fn of(source: &Source, changes: &Changes, parameters: &[String]) -> Read<Self> {
+    fn of(source: &Source, changes: &Changes, parameters: &[(String, f64)]) -> Read<Self> {
         let mut file = read::parse(&source.text)?;
         settle(&mut file, &changes.scheme.sets)?;
         let numbers = Constants::new(&file.system)?.numbers;
@@ -228,15 +227,18 @@ impl Nearby {
             Varied { name: name.into(), values, texts, place: None }.put(file, 0);
         };
         let mut generic = Vec::new();
-        for (k, name) in parameters.iter().enumerate() {
+        for (k, (name, change)) in parameters.iter().enumerate() {
             let Some((_, value)) = numbers.iter().find(|(known, _)| known == name) else {
                 let known: Vec<&str> = numbers.iter().map(|(known, _)| &known[..]).collect();
                 refuse!(None, "no parameter `{name}` to differentiate by{}", among(name, &known));
             };
-            let size = if *value == 0.0 { 1.0 } else { value.abs() };
-            let value = value + GENERIC * (k + 1) as f64 * size;
+            if parameters[..k].iter().any(|(before, _)| before == name) {
+                refuse!(None, "the derivative by `{name}` is asked for twice");
+            }
+            differentiable(&file, &numbers, name)?;
+            let value = value + GENERIC * (k + 1) as f64 * change;
             put(&mut file, name, value);
-            generic.push((name, value, value + NEARBY * size));
+            generic.push((name, value, value + change));
         }
         let near = |&(name, value, near): &(&String, f64, f64)| {
             let mut file = file.clone();
@@ -247,6 +249,38 @@ impl Nearby {
         Ok(Self { scene: Scene::of(source, file, &changes)?, changed })
     }
 }
+
+/// Refuses a parameter of random initial values, or of a rate of damping with conditions.
+fn differentiable(file: &SceneFile, numbers: &[(String, f64)], name: &str) -> Read<()> {
+    let names = |without: &str| {
+        let mut names = Names::new();
+        for (known, value) in numbers.iter().filter(|(known, _)| known != without) {
+            _ = names.parameter(known, *value);
+        }
+        let random = (1..=MAX_RANDOM).flat_map(|k| [format!("z{k}"), format!("u{k}")]);
+        random.chain(["t".into()]).for_each(|variable| _ = names.variable(&variable));
+        names
+    };
+    let (all, others) = (names(""), names(name));
+    let parsed = |text: &At<Text>| Formula::parse(&text.0, &all).ok();
+    let uses = |text: &At<Text>| Formula::parse(&text.0, &others).is_err();
+    if let Listed::List(texts) = &*file.run.initial {
+        let random = texts.iter().filter_map(parsed).any(|formula| !formula.reads().is_empty());
+        if let Some(text) = texts.iter().find(|text| random && uses(text)) {
+            refuse!(text, "no derivative by `{name}`: it changes the law of random initial values");
+        }
+    }
+    let rates = file.damping.iter().flat_map(|table| table.rate.iter().chain(table.rates.values()));
+    for rate in rates.filter(|rate| uses(rate)) {
+        if parsed(rate).is_none_or(|formula| formula.has_conditions()) {
+            refuse!(rate, "no derivative by `{name}`: the rate has conditions, which jump");
+        }
+    }
+    Ok(())
+}
+
+/// Number of random numbers of each kind that initial values are asked for.
+const MAX_RANDOM: usize = 64;
 
 /// Gives the parameters of a scene the values that the command line chooses, one each.
 pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {

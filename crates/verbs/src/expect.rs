@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
 use crate::failure::{Done, Failure};
-use scenes::{AUTO, Changes, Count, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
+use scenes::{AUTO, Changes, Count, GENERIC, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -66,7 +66,7 @@ impl Verb for Expect {
 
 fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
-    let nearby = if scene.gradient.is_empty() { None } else { Some(scene.nearby()?) };
+    let nearby = if scene.gradient.is_empty() { None } else { Some(nearby(scene)?) };
     let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
     let (mut expect, mut settings, because) = chosen(scene)?;
     if let Some(nearby) = &nearby {
@@ -127,12 +127,49 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
+/// Change of a parameter over its size, or one, to begin with.
+const CHANGE: f64 = 1e-7;
+/// Distances of nearby states over their size, from and to.
+const DISTANCES: [f64; 2] = [1e-8, 1e-6];
+/// Factor of changes that no state shows, and the number of trials.
+const MORE: f64 = 1e3;
+const TRIALS: usize = 12;
+
+/// Nearby scenes, each parameter changed so much that states differ by 10⁻⁷ of their size.
+fn nearby(scene: &Scene) -> Done<Nearby> {
+    let mut changes = vec![CHANGE; scene.gradient.len()];
+    for _ in 0..TRIALS {
+        let nearby = scene.nearby(&changes)?;
+        let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances();
+        let [least, most] = DISTANCES;
+        let mut settled = true;
+        for (change, distance) in changes.iter_mut().zip(distances) {
+            if distance == 0.0 && *change < 1.0 {
+                *change *= MORE;
+                settled = false;
+            } else if distance > 0.0 && !(least..=most).contains(&distance) {
+                *change *= (CHANGE / distance).clamp(1.0 / MORE, MORE);
+                settled = false;
+            }
+        }
+        if settled {
+            return Ok(nearby);
+        }
+    }
+    Ok(scene.nearby(&changes)?)
+}
+
 /// Adds derivatives by parameters.
 fn with_gradient<'a>(
     expect: expectation::Expect<'a>,
     Nearby { scene, changed }: &'a Nearby,
 ) -> Done<expectation::Expect<'a>> {
     let refused = |message: String| -> Failure { scene.source.error(None, message).into() };
+    if scene.model.has_kinks() {
+        let words = "no derivatives along paths: B or a Hamiltonian has abs, min or max, whose \
+                     field jumps. Take a smooth function, such as sqrt(x^2 + d^2)";
+        return Err(refused(words.into()));
+    }
     let smooth =
         |phi: &Observable| matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_));
     if let Some(phi) = scene.expected.iter().find(|phi| !smooth(phi)) {
@@ -143,17 +180,16 @@ fn with_gradient<'a>(
         )));
     }
     let mut all = Vec::new();
-    for (parameter, change, near) in changed {
+    for (k, (parameter, change, near)) in changed.iter().enumerate() {
         let times = [scene, near].map(|scene| (scene.settings.until, scene.settings.steps));
-        let starts = [scene, near].map(|scene| scene.problem().start(scene.settings.key, 0));
-        let random = scene.settings.random.is_some() && starts[0] != starts[1];
-        if times[0] != times[1] || random {
-            let what = if random { "law of the random initial value" } else { "time of the end" };
-            return Err(refused(format!("no derivative by `{parameter}`: it changes the {what}")));
+        if times[0] != times[1] {
+            let words = format!("no derivative by `{parameter}`: it changes the time of the end");
+            return Err(refused(words));
         }
         all.push(expectation::Nearby {
             parameter: parameter.clone(),
             change: *change,
+            offset: GENERIC * (k + 1) as f64 * change,
             expect: chosen(near)?.0.starting(None),
             observables: near.expected.iter().map(|phi| phi as _).collect(),
         });
@@ -177,16 +213,18 @@ fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Optio
     let settings = &scene.settings;
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
-    let whole = scene.model.expect().filter(|_| is_auto && !scene.collects());
+    let collects = scene.collects() && scene.gradient.is_empty();
+    let whole = scene.model.expect().filter(|_| is_auto && !collects);
     let (expect, because) = match whole {
         Some(chosen) => (chosen.starting(settings.random.clone()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            let known = BuiltIn::named(&scheme).filter(|_| !scene.collects());
+            let known = BuiltIn::named(&scheme).filter(|_| !collects);
             with.weak_order = known.map(|scheme| scheme.properties().weak);
-            let setup = scene.collecting(scene.setup(&scheme)?);
+            let setup = scene.setup(&scheme)?;
+            let setup = if collects { scene.collecting(setup) } else { setup };
             (expectation::Expect::with_scheme(setup), because)
         }
     };

@@ -205,6 +205,14 @@ impl FormulaSystem {
         &self.formulas.names
     }
 
+    /// Whether B or a Hamiltonian has kinks, so that fields may jump.
+    #[must_use]
+    pub fn has_kinks(&self) -> bool {
+        let Formulas { structure, hamiltonians, .. } = &*self.formulas;
+        let mut all = hamiltonians.iter().chain(structure.iter().map(|(_, entry)| entry));
+        all.any(Formula::has_kinks)
+    }
+
     /// The coordinates of momenta p: the q with B∇q = b·e_p and a constant b; none if there is
     /// none.
     #[must_use]

@@ -93,6 +93,11 @@ pub trait Model: Send + Sync {
         Err("the system is not of formulas".into())
     }
 
+    /// Whether fields may jump where functions of the state have kinks.
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
     /// Facts about the system that a run needs; empty for a system of the project.
     fn known(&self) -> Known {
         Known::default()
@@ -210,6 +215,10 @@ impl Model for AtRunTime {
         }
         let flows = self.flows.get_or_init(|| formulas.by_flows(self.problem.y0()));
         Metropolis::new(&self.problem(), flows, beta)
+    }
+
+    fn has_kinks(&self) -> bool {
+        self.formulas.as_ref().is_some_and(|formulas| formulas.has_kinks())
     }
 
     fn fastest(&self) -> f64 {
