@@ -90,6 +90,15 @@ mod tests {
     }
 
     #[test]
+    fn a_path_has_the_noise_that_it_was_given() {
+        let mut all = StepNoise::with_areas(3).with_space_time();
+        let noise = Noise { space_time: [1.0, 2.0, 3.0], ..noise_of(&pieces()[..4]) };
+        all.set_path(7, &noise);
+        assert_eq!(all.path::<3>(7), noise);
+        assert_eq!(all.path::<3>(6), Noise::increments([0.0; 3]));
+    }
+
+    #[test]
     fn every_level_holds_the_noise_of_its_step() {
         let pieces = pieces();
         let mut ladder = DyadicLadder::new(3, &StepNoise::with_areas(3).with_space_time());

@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use analysis::{StepSizes, strong_order, weak_order};
 use mc::{Friction, Observable, Setup};
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::{Nv, Split};
-use systems::{Constant, Flows, PoissonSystem, Problem};
+use noise::{StepNoise, StreamKey, Truncation};
+use nonlin::BlockStatus;
+use real::{Real, WIDTH};
+use schemes::{Baoab, Nv, Split, Step, run_time};
+use systems::{Constant, Damping, Flows, PoissonSystem, Problem};
+
+use crate::{constant, system, texts};
 
 /// Two pendulums with a spring, (q₁, q₂, p₁, p₂), on a clock with noise: H₁ = ½H₀.
 #[derive(Clone, Copy)]
@@ -69,5 +72,35 @@ fn split_and_nv_have_their_orders_with_friction_on_momenta() {
         // A lower order may hide in a tenth of the last difference.
         let rate = order.rate.as_ref().unwrap();
         assert!(rate.covers(2.0) && rate.lo > 1.5 && rate.hi < 2.5, "{order}");
+    }
+}
+
+/// One step of `baoab` on H₀ = ½p² with friction γ on p: a noise that is additive on p alone is one
+/// exact step with friction; others stand in its middle.
+#[test]
+fn a_step_of_baoab_is_exact_for_additive_noise_on_what_is_damped() {
+    let (gamma, tau, dw): (f64, f64, f64) = (1.3, 0.5, 0.4);
+    let [half, whole] = [0.5, 1.0].map(|part| (-part * gamma * tau).exp());
+    let exact = ((1.0 - whole * whole) / (2.0 * gamma * tau)).sqrt();
+    let (q, p) = (0.7, -0.2);
+    let drifted = q + 0.5 * tau * p;
+    for (noise, moved) in [
+        ("0.4*q", [drifted, whole * p - 0.4 * exact * dw]),
+        ("0.4*q + 0.3*p", [drifted + 0.3 * dw, half * (half * p - 0.4 * dw)]),
+        ("0.3*q^2", [drifted, half * (half * p - 0.6 * drifted * dw)]),
+    ] {
+        let system = system(&texts("q p", &["1"], "p^2/2", &[noise]), &[q, p]);
+        let friction = [(Arc::new(constant(gamma)) as Arc<dyn Damping>, vec![1])];
+        let baoab = Baoab::new(friction);
+        let mut paths = run_time::Scheme::stepper(&baoab, &system).unwrap();
+        paths.state_mut().copy_from_slice(&[[q; WIDTH], [p; WIDTH]]);
+        let mut increments = StepNoise::zero(1);
+        increments.increments[0] = [dw; WIDTH];
+        let step = Step::new(&constant(0.0), 0, tau).unwrap();
+        paths.step(&step, &increments, &mut BlockStatus::explicit());
+        let expected = [moved[0] + 0.5 * tau * moved[1], moved[1]];
+        for (row, exact) in paths.state().iter().zip(expected) {
+            assert!((row[0] - exact).abs() < 1e-14, "{noise}: {} for {exact}", row[0]);
+        }
     }
 }
