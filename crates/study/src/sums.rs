@@ -1,6 +1,6 @@
 //! Sums of a study: moments, and counts of values in bins.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
@@ -89,6 +89,8 @@ pub struct StudyStatistic<'a> {
     /// The values of all observables, and those of each block so far.
     values: Vec<Row>,
     past: BTreeMap<u64, Past>,
+    /// Times before the next one of `times`, from and to: blocks of a group go side by side.
+    between: Range<u64>,
 }
 
 impl<'a> StudyStatistic<'a> {
@@ -106,14 +108,34 @@ impl<'a> StudyStatistic<'a> {
             of,
             values: vec![[0.0; WIDTH]; observables.len()],
             past: BTreeMap::new(),
+            between: 0..0,
+        }
+    }
+
+    /// The place of a time among those of the study.
+    #[inline]
+    fn place(&mut self, time: u64) -> Option<usize> {
+        if self.between.contains(&time) {
+            return None;
+        }
+        match self.times.binary_search(&time) {
+            Ok(place) => Some(place),
+            Err(next) => {
+                self.between = time..self.times.get(next).copied().unwrap_or(u64::MAX);
+                None
+            }
         }
     }
 
     /// Filters the observables that have a spectrum, at every step.
+    #[inline]
     fn filter(&mut self, view: &View<'_>) {
         let Wanted { from, lagged, .. } = self.of.wanted;
+        if lagged.is_empty() || self.of.grids.is_empty() {
+            return;
+        }
         let &[first, second, ..] = self.times.get(*from..).unwrap_or_default() else { return };
-        if lagged.is_empty() || self.of.grids.is_empty() || view.time < first {
+        if view.time < first {
             return;
         }
         for &k in lagged {
@@ -126,9 +148,9 @@ impl<'a> StudyStatistic<'a> {
 
 impl Statistic for StudyStatistic<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let state = view.state(0);
         self.filter(view);
-        let Ok(time) = self.times.binary_search(&view.time) else { return };
+        let Some(time) = self.place(view.time) else { return };
+        let state = view.state(0);
         let first = time * self.observables.len();
         let keeps = view.first_path < FIRST_PATHS && time + 1 == self.times.len();
         if keeps {
