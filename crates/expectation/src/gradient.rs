@@ -48,11 +48,6 @@ const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 /// Numbers of steps by which distances are found, the first that keeps nearby states close.
 const PILOTS: [u64; 4] = [64, 512, 4096, 32_768];
 
-/// Whether all distances are small.
-fn close(distances: &[f64]) -> bool {
-    distances.iter().all(|&distance| distance < APART)
-}
-
 impl<'a> Expect<'a> {
     /// Adds ∂E\[φ(y(T))\]/∂θ for every φ and the parameter θ of each nearby problem, to the same
     /// accuracy: [`Expectation::gradient`](super::Expectation::gradient).
@@ -61,8 +56,8 @@ impl<'a> Expect<'a> {
     /// chaos over long times, [`run`](Self::run) ends with [`RunError::NotFinite`].
     ///
     /// # Errors
-    /// [`RunError::Setting`] if a nearby problem has other schemes, or a random initial value that
-    /// depends on the parameter.
+    /// [`RunError::Setting`] if a nearby problem has other schemes. Laws of random initial values
+    /// must not depend on parameters, and are not looked at.
     pub fn with_gradient(mut self, nearby: Vec<Nearby<'a>>) -> Result<Self, RunError> {
         let mut all: Vec<Vec<Candidate<'a>>> = Vec::new();
         for Nearby { parameter, change, offset, expect, observables } in nearby {
@@ -80,7 +75,7 @@ impl<'a> Expect<'a> {
             let problem = &candidate.setup.problem;
             let near = |of: &Candidate<'a>, scheme: &Arc<dyn Method + 'a>| {
                 let other = &of.setup.problem;
-                let damping = Some(other.damping);
+                let damping = other.damping;
                 let shift = problem.y0.iter().zip(&other.y0).map(|(y, near)| near - y).collect();
                 Near { method: Arc::clone(scheme), damping, shift }
             };
@@ -114,12 +109,17 @@ impl<'a> Expect<'a> {
     }
 
     /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
-    /// each parameter: 10⁻⁷ balances rounding errors and curvature. NaN where paths fail at all of
-    /// some numbers of steps.
+    /// each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps
+    /// states close, of some numbers. NaN where all paths fail. Areas are zero.
     pub fn distances(&self) -> Vec<f64> {
-        let steps = PILOTS.into_iter().map(|steps| self.distances_with(steps));
-        let all = steps.reduce(|before, now| if close(&before) { before } else { now });
-        all.unwrap_or_default()
+        let mut distances = Vec::new();
+        for steps in PILOTS {
+            distances = self.distances_with(steps);
+            if distances.iter().all(|&distance| distance < APART) {
+                break;
+            }
+        }
+        distances
     }
 
     fn distances_with(&self, steps: u64) -> Vec<f64> {
@@ -214,8 +214,8 @@ struct SideBySide<'a> {
 /// A method whose parameter is changed.
 struct Near<'a> {
     method: Arc<dyn Method + 'a>,
-    /// Damping of all components, if it is another.
-    damping: Option<&'a dyn Damping>,
+    /// Damping of all components.
+    damping: &'a dyn Damping,
     /// Difference of the initial values.
     shift: Vec<f64>,
 }
@@ -236,14 +236,14 @@ impl Method for SideBySide<'_> {
                 || state.iter().zip(&near.shift).map(shifted).collect(),
                 <[Row]>::to_vec,
             );
-            all.push(One { stepper: near.method.start(&start), damping: near.damping });
+            all.push(One { stepper: near.method.start(&start), damping: Some(near.damping) });
             rows.extend(start);
         }
         Box::new(Side { all, dimension: self.dimension, rows })
     }
 }
 
-/// One of several steppers side by side, with its damping if it is another than that of the steps.
+/// One of several steppers side by side; the damping of the first is that of the steps.
 struct One<'a> {
     stepper: Box<dyn Stepper + 'a>,
     damping: Option<&'a dyn Damping>,

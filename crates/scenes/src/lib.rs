@@ -53,7 +53,7 @@ pub use read::{Constants, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source, Wrong};
-pub use sweep::{Combination, GENERIC, Nearby, Set, Sweep, Varied};
+pub use sweep::{Changed, Combination, Nearby, Set, Sweep, Varied};
 pub use values::{At, Count, Listed, Parameter, Text, count, digits, place};
 
 use std::{fmt::Display, path::Path, sync::Arc};

@@ -192,15 +192,27 @@ fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
 
 /// Part of the change of a parameter by which numbers are generic: formulas with 0.500000001 have
 /// the form of those nearby, while those with 0, ½ or 1 are simpler.
-pub const GENERIC: f64 = 0.01;
+const GENERIC: f64 = 0.01;
 
 /// A scene at generic parameters, and nearby ones in each of which one parameter is changed a
 /// little.
 pub struct Nearby {
     /// The scene, with parameters that differ from those given by a part of their change.
     pub scene: Scene,
-    /// For each parameter its name, its change, and the changed scene.
-    pub changed: Vec<(String, f64, Scene)>,
+    /// The changed scenes, one for each parameter.
+    pub changed: Vec<Changed>,
+}
+
+/// A scene in which one parameter is changed a little.
+pub struct Changed {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Change of the parameter.
+    pub change: f64,
+    /// Difference of the generic parameter from the one that was given.
+    pub offset: f64,
+    /// The scene.
+    pub scene: Scene,
 }
 
 impl Nearby {
@@ -236,14 +248,15 @@ impl Nearby {
                 refuse!(None, "the derivative by `{name}` is asked for twice");
             }
             differentiable(&file, &numbers, name)?;
-            let value = value + GENERIC * (k + 1) as f64 * change;
-            put(&mut file, name, value);
-            generic.push((name, value, value + change));
+            let offset = GENERIC * (k + 1) as f64 * change;
+            put(&mut file, name, value + offset);
+            generic.push((name, offset, value + offset, *change));
         }
-        let near = |&(name, value, near): &(&String, f64, f64)| {
-            let mut file = file.clone();
+        let near = |&(name, offset, value, change): &(&String, f64, f64, f64)| {
+            let (mut file, near) = (file.clone(), value + change);
             put(&mut file, name, near);
-            Ok((name.clone(), near - value, Scene::of(source, file, &changes)?))
+            let scene = Scene::of(source, file, &changes)?;
+            Ok(Changed { parameter: name.clone(), change: near - value, offset, scene })
         };
         let changed = generic.iter().map(near).collect::<Read<_>>()?;
         Ok(Self { scene: Scene::of(source, file, &changes)?, changed })

@@ -51,9 +51,7 @@ impl SplitH {
         let new = Self::new(friction);
         if system.description().is_langevin { Self { delta: 0.0, ..new } } else { new }
     }
-}
 
-impl SplitH {
     /// The flow of all noises for shares of increments and areas.
     #[inline(always)]
     fn kick<S: Flows<D, M>, const D: usize, const M: usize, const N: usize>(

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
 use crate::failure::{Done, Failure};
-use scenes::{AUTO, Changes, Count, GENERIC, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
+use scenes::{AUTO, Changed, Changes, Count, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -127,7 +127,7 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
-/// Change of a parameter over its size, or one, to begin with.
+/// Change of a parameter to begin with, and wanted distance of nearby states over their size.
 const CHANGE: f64 = 1e-7;
 /// Distances of nearby states over their size, from and to.
 const DISTANCES: [f64; 2] = [1e-8, 1e-6];
@@ -180,7 +180,7 @@ fn with_gradient<'a>(
         )));
     }
     let mut all = Vec::new();
-    for (k, (parameter, change, near)) in changed.iter().enumerate() {
+    for Changed { parameter, change, offset, scene: near } in changed {
         let times = [scene, near].map(|scene| (scene.settings.until, scene.settings.steps));
         if times[0] != times[1] {
             let words = format!("no derivative by `{parameter}`: it changes the time of the end");
@@ -189,7 +189,7 @@ fn with_gradient<'a>(
         all.push(expectation::Nearby {
             parameter: parameter.clone(),
             change: *change,
-            offset: GENERIC * (k + 1) as f64 * change,
+            offset: *offset,
             expect: chosen(near)?.0.starting(None),
             observables: near.expected.iter().map(|phi| phi as _).collect(),
         });
