@@ -10,7 +10,7 @@ use std::{ops::Range, sync::Arc};
 
 use noise::{StepNoise, WienerRows};
 use nonlin::BlockStatus;
-use real::{PathMask, Row, elementary::hypot};
+use real::{PathMask, Row};
 use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
@@ -39,7 +39,7 @@ pub struct Parameter<'a> {
     observables: Vec<&'a dyn Observe>,
 }
 
-/// Distance of nearby states, over their size, beyond which the difference is no derivative.
+/// Distance of nearby states, over their size, that a pilot takes for close.
 const APART: f64 = 1e-3;
 /// Part of a derivative that curvature may add at distances of 10⁻⁷ or 10⁻⁶.
 const CURVATURE: f64 = 1e-6;
@@ -53,7 +53,7 @@ impl<'a> Expect<'a> {
     /// accuracy: [`Expectation::gradient`](super::Expectation::gradient).
     ///
     /// φ must have no jumps: paths do not see them. Where paths at θ and nearby separate, as in
-    /// chaos over long times, [`run`](Self::run) ends with [`RunError::NotFinite`].
+    /// chaos over long times, few samples carry the variance: see [`Judged`](super::Judged).
     ///
     /// # Errors
     /// [`RunError::Setting`] if a nearby problem has other schemes. Laws of random initial values
@@ -100,7 +100,9 @@ impl<'a> Expect<'a> {
     /// 10⁻⁶ of it and rounding errors of φ over the change, of each value its offset.
     pub(super) fn bound(&self, found: &mut Expectation) {
         for (parameter, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
-            for (own, slope) in found.estimates.iter_mut().zip(slopes) {
+            let pairs = found.estimates.iter_mut().zip(slopes);
+            // One without a mean has no bound.
+            for (own, slope) in pairs.filter(|(_, slope)| slope.value.is_finite()) {
                 let rounding = ROUND_OFF * own.value.abs() / parameter.change.abs();
                 slope.bias_bound += CURVATURE * slope.value.abs() + rounding;
                 own.bias_bound += (slope.value * parameter.offset).abs();
@@ -184,19 +186,8 @@ impl Observe for OnRows<'_> {
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
         self.phi.evaluate(&y[self.rows.clone()], live, values);
         let Some((near, rows, change)) = &self.slope else { return };
-        let (own, other) = (&y[self.rows.clone()], &y[rows.clone()]);
-        let nearby = near.values(other, live);
-        for p in live.paths() {
-            let (mut apart, mut size) = (0.0, 0.0);
-            for (own, other) in own.iter().zip(other) {
-                apart = hypot(apart, own[p] - other[p]);
-                size = hypot(size, own[p]);
-            }
-            values[p] = match apart > APART * size && apart > APART {
-                true => f64::NAN,
-                false => (nearby[p] - values[p]) / change,
-            };
-        }
+        let nearby = near.values(&y[rows.clone()], live);
+        live.paths().for_each(|p| values[p] = (nearby[p] - values[p]) / change);
     }
 
     fn weak_order(&self) -> f64 {

@@ -199,11 +199,6 @@ struct Orders {
 
 /// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;
-/// The number of these after which derivatives that are not finite are given up, for steps below
-/// [`SHORT`].
-const SEPARATED: u32 = 3;
-/// Step size in units of time.
-const SHORT: f64 = 0.125;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
 /// refused.
 const LONGEST: f64 = 4_194_304.0;
@@ -409,16 +404,6 @@ impl<'a> Expect<'a> {
                         return Ok(found);
                     }
                     best = Ok(found);
-                }
-                // Nearby paths separate where steps are too long, and in chaos at all steps.
-                Err(error @ RunError::NotFinite { .. })
-                    if !self.parameters.is_empty() && {
-                        let doubled = attempt as u32 % (REFINEMENTS + 1);
-                        let tau = candidate.setup.problem.t_end / steps as f64;
-                        doubled == REFINEMENTS || doubled >= SEPARATED && tau < SHORT
-                    } =>
-                {
-                    return Err(error);
                 }
                 Err(RunError::NoPaths { .. } | RunError::NotFinite { .. })
                     if attempts.peek().is_some() => {}

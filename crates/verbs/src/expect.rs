@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     expectation::{self, Estimate, ExpectSettings, WarningKind},
-    mc::{Observe, RunError},
+    mc::Observe,
     schemes::BuiltIn,
 };
 use schemars::JsonSchema;
@@ -84,17 +84,6 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     });
     if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
         return Err(Failure::Stopped("before the first estimates".into()));
-    }
-    let is_slope = |name: &str| scene.expected.iter().all(|phi| phi.name != name);
-    if let Err(RunError::NotFinite { observable, .. }) = &found
-        && is_slope(observable)
-    {
-        let message = format!(
-            "E[{observable}] cannot be told: paths at the parameter and nearby separate before T = \
-             {}, at a barrier or in chaos. Take a shorter time",
-            scene.settings.until
-        );
-        return Err(scene.source.error(None, message).into());
     }
     let (found, seconds) = (found?, start.elapsed().as_secs_f64());
     // Components have names here.
