@@ -402,7 +402,7 @@ impl<'a> Estimator<'a> {
             ladder = ladder.with_noise(points(scrambles.collect(), problem.noises));
         }
         // Of the paths side by side.
-        let paths = 1 + self.request.expect.parameters.len() as u64;
+        let paths = 1 + self.request.expect.number_nearby() as u64;
         let cost_per_path = paths * ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
         if self.ladders.len() == level {

@@ -34,9 +34,22 @@ pub struct Nearby<'a> {
 /// The parameters of derivatives.
 pub struct Parameter<'a> {
     pub name: String,
-    change: f64,
-    offset: f64,
-    observables: Vec<&'a dyn Observe>,
+    pub(super) change: f64,
+    pub(super) offset: f64,
+    pub(super) slope: Slope<'a>,
+}
+
+/// Samples of a derivative.
+pub enum Slope<'a> {
+    /// Differences along paths, with the test functions nearby.
+    Along(Vec<&'a dyn Observe>),
+    /// (φ − c)S with the score S in a row, and c of each test function.
+    Score {
+        /// The row of S.
+        row: usize,
+        /// The numbers c.
+        centres: Vec<f64>,
+    },
 }
 
 /// Distance of nearby states, over their size, that a pilot takes for close.
@@ -69,7 +82,8 @@ impl<'a> Expect<'a> {
                 return Err(RunError::Setting(format!("derivative by {parameter}: {why}")));
             }
             all.push(expect.candidates);
-            self.parameters.push(Parameter { name: parameter, change, offset, observables });
+            let slope = Slope::Along(observables);
+            self.parameters.push(Parameter { name: parameter, change, offset, slope });
         }
         for (k, candidate) in self.candidates.iter_mut().enumerate() {
             let problem = &candidate.setup.problem;
@@ -96,6 +110,12 @@ impl<'a> Expect<'a> {
         Ok(self)
     }
 
+    /// Number of paths beside each.
+    pub(super) fn number_nearby(&self) -> usize {
+        let along = |one: &&Parameter<'_>| matches!(one.slope, Slope::Along(_));
+        self.parameters.iter().filter(along).count()
+    }
+
     /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
     /// 10⁻⁶ of it and rounding errors of φ over the change, of each value its offset.
     pub(super) fn bound(&self, found: &mut Expectation) {
@@ -110,21 +130,21 @@ impl<'a> Expect<'a> {
         }
     }
 
-    /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
-    /// each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps
-    /// states close, of some numbers. NaN where all paths fail. Areas are zero.
-    pub fn distances(&self) -> Vec<f64> {
+    /// Distances of nearby states at T/2 and T over their size, in the root mean square over 32
+    /// paths, for each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short
+    /// as keeps states close, of some numbers. NaN where all paths fail. Areas are zero.
+    pub fn distances(&self) -> Vec<[f64; 2]> {
         let mut distances = Vec::new();
         for steps in PILOTS {
             distances = self.distances_with(steps);
-            if distances.iter().all(|&distance| distance < APART) {
+            if distances.iter().all(|&[_, distance]| distance < APART) {
                 break;
             }
         }
         distances
     }
 
-    fn distances_with(&self, steps: u64) -> Vec<f64> {
+    fn distances_with(&self, steps: u64) -> Vec<[f64; 2]> {
         let Setup { problem, scheme } = &self.candidates[0].setup;
         let (d, number) = (problem.y0.len(), self.parameters.len());
         let tau = problem.t_end / steps as f64;
@@ -133,49 +153,72 @@ impl<'a> Expect<'a> {
         let mut wiener = WienerRows::new(self.settings.key, 0);
         let mut status = BlockStatus::explicit();
         let mut live = PathMask::ALL;
+        let distances = |rows: &[Row], live: PathMask| -> Vec<f64> {
+            let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
+                live.paths().map(|p| (0..d).map(|i| of(i, p).powi(2)).sum::<f64>()).sum()
+            };
+            let size = square(&|i, p| rows[i][p]);
+            let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
+            (0..number).map(|k| (apart(k) / size).sqrt()).collect()
+        };
+        let mut half = Vec::new();
         for n in 0..steps {
+            if n == steps / 2 {
+                half = distances(paths.state(), live);
+            }
             let Ok(step) = Step::new(problem.damping, n, tau) else { break };
             wiener.increments(tau.sqrt(), &mut noise.increments);
             paths.step(&step, &noise, &mut status);
             live = live.without(status.failed);
         }
-        let rows = paths.state();
-        let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-            live.paths().map(|p| (0..d).map(|i| of(i, p).powi(2)).sum::<f64>()).sum()
-        };
-        let size = square(&|i, p| rows[i][p]);
-        let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
-        (0..number).map(|k| (apart(k) / size).sqrt()).collect()
+        half.into_iter().zip(distances(paths.state(), live)).map(|(a, b)| [a, b]).collect()
     }
 
-    /// The test functions on rows side by side, and their derivatives.
+    /// The test functions on the rows of paths, and their derivatives.
     pub(super) fn with_slopes<'b>(&'b self, observables: &[&'b dyn Observe]) -> Vec<OnRows<'b>> {
         let dimension = self.candidates[0].setup.problem.y0.len();
-        let rows = |k: usize| k * dimension..(k + 1) * dimension;
-        let own = |phi: &&'b dyn Observe| {
-            let name = phi.name().to_owned();
-            OnRows { name, phi: *phi, rows: rows(0), slope: None }
+        // Scores come after all rows of a path, and the first is that of the first parameter.
+        let own = match self.parameters[0].slope {
+            Slope::Score { row, .. } => 0..row,
+            Slope::Along(_) => 0..dimension,
         };
-        let slopes = self.parameters.iter().enumerate().flat_map(|(k, parameter)| {
-            let Parameter { name, change, observables: near, .. } = parameter;
-            observables.iter().zip(near).map(move |(phi, near)| OnRows {
-                name: format!("∂{}/∂{name}", phi.name()),
-                phi: *phi,
-                rows: rows(0),
-                slope: Some((*near, rows(k + 1), *change)),
-            })
-        });
-        observables.iter().map(own).chain(slopes).collect()
+        let on_rows = |(n, phi): (usize, &&'b dyn Observe),
+                       of: Option<(usize, &'b Parameter<'a>)>| {
+            let name = match of {
+                Some((_, parameter)) => format!("∂{}/∂{}", phi.name(), parameter.name),
+                None => phi.name().to_owned(),
+            };
+            let sample = of.map(|(k, Parameter { slope, change, .. })| match slope {
+                Slope::Along(near) => {
+                    let first = (k + 1) * dimension;
+                    Sample::Difference(near[n], first..first + dimension, *change)
+                }
+                Slope::Score { row, centres } => Sample::Weighted(*row, centres[n]),
+            });
+            OnRows { name, phi: *phi, rows: own.clone(), sample }
+        };
+        let parameters = self.parameters.iter().enumerate();
+        let all = [None].into_iter().chain(parameters.map(Some));
+        all.flat_map(|of| observables.iter().enumerate().map(move |phi| (phi, of)))
+            .map(|(phi, of)| on_rows(phi, of))
+            .collect()
     }
 }
 
-/// A test function of the first state of those side by side, or its derivative.
+/// A test function of the rows of a path, or a sample of its derivative.
 pub struct OnRows<'a> {
     name: String,
     phi: &'a dyn Observe,
     rows: Range<usize>,
-    /// The function nearby, its rows, and the change of the parameter.
-    slope: Option<(&'a dyn Observe, Range<usize>, f64)>,
+    sample: Option<Sample<'a>>,
+}
+
+/// A sample of a derivative.
+enum Sample<'a> {
+    /// The difference from the function nearby of its rows, over the change of the parameter.
+    Difference(&'a dyn Observe, Range<usize>, f64),
+    /// The difference from a number, times the score in a row.
+    Weighted(usize, f64),
 }
 
 impl Observe for OnRows<'_> {
@@ -185,9 +228,16 @@ impl Observe for OnRows<'_> {
 
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
         self.phi.evaluate(&y[self.rows.clone()], live, values);
-        let Some((near, rows, change)) = &self.slope else { return };
-        let nearby = near.values(&y[rows.clone()], live);
-        live.paths().for_each(|p| values[p] = (nearby[p] - values[p]) / change);
+        match &self.sample {
+            Some(Sample::Difference(near, rows, change)) => {
+                let nearby = near.values(&y[rows.clone()], live);
+                live.paths().for_each(|p| values[p] = (nearby[p] - values[p]) / change);
+            }
+            Some(Sample::Weighted(row, centre)) => {
+                live.paths().for_each(|p| values[p] = (values[p] - centre) * y[*row][p]);
+            }
+            None => {}
+        }
     }
 
     fn weak_order(&self) -> f64 {

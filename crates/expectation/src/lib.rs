@@ -86,6 +86,7 @@ mod level;
 mod report;
 mod resolution;
 mod rules;
+mod score;
 mod sum;
 #[cfg(test)]
 mod tests;

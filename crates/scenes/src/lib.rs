@@ -72,7 +72,7 @@ pub struct Scene {
     /// Text of the scene.
     pub source: Source,
     /// Changes made by the command line.
-    changes: Arc<Changes>,
+    pub changes: Arc<Changes>,
     /// The title of reports.
     pub title: String,
     /// The names of the components.

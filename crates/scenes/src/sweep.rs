@@ -1,6 +1,6 @@
 //! A scene at several values of its parameters.
 
-use std::{ops::Range, str::FromStr, sync::Arc};
+use std::{collections::HashSet, ops::Range, str::FromStr, sync::Arc};
 
 use casimir::formula::{Formula, Names};
 use serde::{Deserialize, Serialize};
@@ -207,10 +207,14 @@ pub struct Nearby {
 pub struct Changed {
     /// Name of the parameter.
     pub parameter: String,
+    /// Value of the parameter in the scene.
+    pub value: f64,
     /// Change of the parameter.
     pub change: f64,
     /// Difference of the generic parameter from the one that was given.
     pub offset: f64,
+    /// Whether what is observed may depend on the parameter: its texts name it, or H₀.
+    pub is_observed: bool,
     /// The scene.
     pub scene: Scene,
 }
@@ -252,15 +256,30 @@ impl Nearby {
             put(&mut file, name, value + offset);
             generic.push((name, offset, value + offset, *change));
         }
+        let words = observed(&file, &changes);
         let near = |&(name, offset, value, change): &(&String, f64, f64, f64)| {
             let (mut file, near) = (file.clone(), value + change);
             put(&mut file, name, near);
-            let scene = Scene::of(source, file, &changes)?;
-            Ok(Changed { parameter: name.clone(), change: near - value, offset, scene })
+            let (parameter, scene) = (name.clone(), Scene::of(source, file, &changes)?);
+            let is_observed = words.contains(name) || words.contains("H0");
+            Ok(Changed { parameter, value, change: near - value, offset, is_observed, scene })
         };
         let changed = generic.iter().map(near).collect::<Read<_>>()?;
         Ok(Self { scene: Scene::of(source, file, &changes)?, changed })
     }
+}
+
+/// Words in the texts of what is observed.
+fn observed(file: &SceneFile, changes: &Changes) -> HashSet<String> {
+    let named = file.observe.values().chain(file.probabilities.values()).map(|text| &text.0);
+    let of = file.expect.iter().flat_map(|table| table.of.iter().map(|text| &text.0));
+    let events = file.events.values().map(|event| &event.0.when.0);
+    let texts = named.chain(of).chain(events).chain(&changes.of);
+    let words = |text: &String| -> Vec<String> {
+        let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+        text.split(|c| !is_of_word(c)).map(Into::into).collect()
+    };
+    texts.flat_map(words).collect()
 }
 
 /// Refuses a parameter of random initial values, or of a rate of damping with conditions.

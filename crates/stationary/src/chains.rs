@@ -47,9 +47,9 @@ struct Block {
 }
 
 /// Rows with a number for each chain: the means over a batch of each average at each step size,
-/// zero where a chain has the longest only, and of its square at the longest; where steps have no
-/// bias of H₀, of its square, and of its products with averages; and the values of watched
-/// functions at its end.
+/// zero where a chain has the longest only, and of its square at the longest; for each step size and
+/// each weight w of a derivative (where steps have no bias, H₀ is the first) of w, of w², and of
+/// φw − ∂φ for each average; and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// The batches of the chains that have not failed.
@@ -107,6 +107,8 @@ pub struct Chains {
     /// The first failure.
     pub failure: Option<String>,
     averages: usize,
+    /// Number of weights of derivatives.
+    weights: usize,
     /// Number of step sizes, and of the chains that have all of them; others have the longest.
     pub levels: usize,
     pub paired: usize,
@@ -131,13 +133,18 @@ impl Chains {
         let steps = coarse.next_multiple_of(2 * batches);
         let (batch_steps, averages, tau) = (steps / batches, of.count(), t_end / steps as f64);
         let spread = SPREADING;
-        Self { tau, batch_steps, averages, levels, paired, spread, ..Self::default() }
+        let weights = of.slopes().len() + usize::from(levels == 1);
+        Self { tau, batch_steps, averages, weights, levels, paired, spread, ..Self::default() }
     }
 
     /// Number of rows of averages, squares and products.
     pub fn rows(&self) -> usize {
-        let products = if self.levels == 1 { self.averages + 2 } else { 0 };
-        (self.levels + 1) * self.averages + products
+        self.products(self.levels, 0)
+    }
+
+    /// The first row of a weight at a step size, counted from the longest.
+    pub fn products(&self, run: usize, weight: usize) -> usize {
+        (self.levels + 1) * self.averages + (run * self.weights + weight) * (self.averages + 2)
     }
 
     /// Path-steps of `chains` chains in a step of the longest size.
@@ -295,7 +302,7 @@ impl Chains {
             };
             rows.map(mean).collect()
         };
-        if let Averaged::Of(_) = of {
+        if let Averaged::Of(..) = of {
             self.histograms = (0..self.averages).map(|k| self.histogram(k)).collect();
         }
         self.batches = self.batches.chunks(2).map(mean).collect();
@@ -383,6 +390,8 @@ pub struct Gather<'a> {
     /// The chains before the batch.
     pub chains: &'a Chains,
     pub blocks: Vec<Sums>,
+    /// Values of weights of derivatives.
+    pub weights: Vec<Row>,
 }
 
 real::kernel! {
@@ -396,7 +405,7 @@ real::kernel! {
 
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let &mut Self { of, levels, chains, ref mut blocks } = self;
+        let &mut Self { of, levels, chains, ref mut blocks, ref mut weights } = self;
         let (count, first, squares) = (of.count(), view.first_path, chains.levels);
         let known = blocks.iter().rposition(|sums| sums.block.first == first);
         let at = known.unwrap_or_else(|| {
@@ -414,36 +423,46 @@ impl Statistic for Gather<'_> {
             block.states = (0..levels).map(|run| view.state(run).to_vec()).collect();
         }
         match of {
-            Averaged::Of(observables) => {
-                let products = (squares + 1) * count;
-                let energy = view.state(0).last().filter(|_| squares == 1);
-                // Without the rows of a sampler.
-                let y = |run: usize| {
-                    let y = view.state(run);
-                    if squares == 1 { &y[..y.len() - MORE] } else { y }
-                };
-                if let Some(energy) = energy {
-                    add_rows(&mut sums[products..], &[*energy]);
-                    add_product(&mut sums[products + 1], energy, energy);
-                }
-                for (k, phi) in observables.iter().enumerate() {
-                    let values = phi.values(y(0), view.live);
-                    add_rows(&mut sums[k..], &[values]);
-                    for run in 1..levels {
-                        let values = phi.values(y(run), view.live);
+            Averaged::Of(observables, slopes) => {
+                for run in 0..levels {
+                    let mut y = view.state(run);
+                    weights.clear();
+                    if squares == 1 {
+                        weights.extend(y.last());
+                        // Without the rows of a sampler.
+                        y = &y[..y.len() - MORE];
+                    }
+                    weights.extend(slopes.iter().map(|slope| slope.weight.values(y, view.live)));
+                    for (w, weight) in weights.iter().enumerate() {
+                        let products = chains.products(run, w);
+                        add_rows(&mut sums[products..], &[*weight]);
+                        add_product(&mut sums[products + 1], weight, weight);
+                    }
+                    for (k, phi) in observables.iter().enumerate() {
+                        let values = phi.values(y, view.live);
                         add_rows(&mut sums[run * count + k..], &[values]);
-                    }
-                    add_product(&mut sums[squares * count + k], &values, &values);
-                    if let Some(energy) = energy {
-                        add_product(&mut sums[products + 2 + k], &values, energy);
-                    }
-                    let known = chains.histograms.get(k).zip(chains.block(first));
-                    let known = known.filter(|_| view.time.is_multiple_of(SELDOM));
-                    if let Some((Histogram { grid, .. }, before)) = known {
-                        let mut places = [0; WIDTH];
-                        grid.place(&values, &mut places);
-                        let live = view.live.and(PathMask(before.live));
-                        live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
+                        for (w, weight) in weights.iter().enumerate() {
+                            let product = &mut sums[chains.products(run, w) + 2 + k];
+                            add_product(product, &values, weight);
+                            // The first weight may be H₀.
+                            let slope = (w + slopes.len()).checked_sub(weights.len());
+                            let of = slope.and_then(|slope| slopes[slope].of.get(k));
+                            if let Some(change) = of.map(|of| of.values(y, view.live)) {
+                                product.iter_mut().zip(change).for_each(|(sum, x)| *sum -= x);
+                            }
+                        }
+                        if run > 0 {
+                            continue;
+                        }
+                        add_product(&mut sums[squares * count + k], &values, &values);
+                        let known = chains.histograms.get(k).zip(chains.block(first));
+                        let known = known.filter(|_| view.time.is_multiple_of(SELDOM));
+                        if let Some((Histogram { grid, .. }, before)) = known {
+                            let mut places = [0; WIDTH];
+                            grid.place(&values, &mut places);
+                            let live = view.live.and(PathMask(before.live));
+                            live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
+                        }
                     }
                 }
             }

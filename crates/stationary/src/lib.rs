@@ -89,23 +89,28 @@ pub use tangents::Tangents;
 /// The quantities that are averaged along chains.
 #[derive(Clone, Copy)]
 pub(crate) enum Averaged<'a> {
-    /// Test functions.
-    Of(&'a [&'a dyn Observe]),
+    /// Test functions, differentiated by some parameters.
+    Of(&'a [&'a dyn Observe], &'a [Slope<'a>]),
     /// The last rows of a state, by their number, which have grown since the last start.
     Growth(usize),
 }
 
-impl Averaged<'_> {
+impl<'a> Averaged<'a> {
     pub fn count(self) -> usize {
         match self {
-            Self::Of(observables) => observables.len(),
+            Self::Of(observables, _) => observables.len(),
             Self::Growth(count) => count,
         }
     }
 
+    /// The parameters by which averages are differentiated.
+    pub fn slopes(self) -> &'a [Slope<'a>] {
+        if let Self::Of(_, slopes) = self { slopes } else { &[] }
+    }
+
     fn names(self) -> Vec<String> {
         match self {
-            Self::Of(observables) => observables.iter().map(|phi| phi.name().into()).collect(),
+            Self::Of(observables, _) => observables.iter().map(|phi| phi.name().into()).collect(),
             // Of one, the sum of all is itself.
             Self::Growth(1) => vec!["λ1".into()],
             Self::Growth(count) => {
@@ -114,6 +119,17 @@ impl Averaged<'_> {
             }
         }
     }
+}
+
+/// A parameter θ of a stationary law e^{−βH₀}: ∂⟨φ⟩/∂θ = ⟨∂φ/∂θ⟩ − Cov(φ, ∂(βH₀)/∂θ) on leaves that
+/// do not depend on θ.
+pub struct Slope<'a> {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// ∂(βH₀)/∂θ.
+    pub weight: Box<dyn Observe + 'a>,
+    /// ∂φ/∂θ of every test function; none if they do not depend on θ.
+    pub of: Vec<Box<dyn Observe + 'a>>,
 }
 
 /// Settings of an [`Equilibrium`].
@@ -166,6 +182,8 @@ pub struct Equilibrium<'a> {
     pub components: Vec<String>,
     /// β where steps have no bias, see [`exact`](Self::exact).
     pub beta: Option<f64>,
+    /// Parameters by which averages are differentiated, to the same accuracy.
+    pub slopes: Vec<Slope<'a>>,
 }
 
 /// Number of step sizes of a chain whose step has a bias.
@@ -184,6 +202,7 @@ impl<'a> Equilibrium<'a> {
             watched: Vec::new(),
             components: Vec::new(),
             beta: None,
+            slopes: Vec::new(),
         }
     }
 
@@ -208,7 +227,7 @@ impl<'a> Equilibrium<'a> {
         if observables.is_empty() {
             return Err(RunError::Setting("averages need at least one test function".into()));
         }
-        self.averages(&self.setup, Averaged::Of(observables), accuracy)
+        self.averages(&self.setup, Averaged::Of(observables, &self.slopes), accuracy)
     }
 
     /// The `count` largest Lyapunov exponents, in 1/time, and the sum of several, by [tangent
@@ -316,7 +335,7 @@ impl<'a> Equilibrium<'a> {
     fn begin(&self, of: Averaged<'_>) -> Chains {
         let all = self.settings.blocks_of_chains() as usize;
         let paired = match of {
-            Averaged::Of(_) if self.beta.is_none() => (all / 4).next_multiple_of(WIDTH),
+            Averaged::Of(..) if self.beta.is_none() => (all / 4).next_multiple_of(WIDTH),
             _ => all,
         };
         Chains::new(&self.settings, of, (self.levels(), paired), self.setup.problem.t_end)
@@ -356,7 +375,7 @@ impl<'a> Equilibrium<'a> {
         let Watched { chains, dimension, .. } = watched;
         let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
         let levels = self.levels();
-        let rows = (levels + 1) * of.count() + watched.names().len();
+        let rows = self.begin(of).rows() + watched.names().len();
         // With batches that are joined, a batch that is gathered, and its histograms.
         let batches =
             3 * BATCHES / 2 * rows + 2 * rows + of.count() * (BINS as usize).div_ceil(WIDTH);
@@ -397,7 +416,10 @@ impl<'a> Equilibrium<'a> {
                 let states = known.states(run, path, watched.dimension);
                 states.map_or_else(|| first(path), <[Row]>::to_vec)
             });
-            let new = || Gather { of, levels, chains: known, blocks: Vec::new() };
+            let new = || {
+                let (blocks, weights) = (Vec::new(), Vec::new());
+                Gather { of, levels, chains: known, blocks, weights }
+            };
             let found = ladder.run_until(stop, paths.start, count, new);
             blocks.extend(found.statistic.blocks);
             failures.extend(found.failures);

@@ -7,7 +7,7 @@ use serde::Serialize;
 use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, Warning, two_sided};
 
 use super::{
-    Averaged, EquilibriumSettings, LEVELS,
+    Averaged, EquilibriumSettings, LEVELS, Slope,
     chains::{Chains, Living, moments},
     growth::{unsettled, wander},
     rules::{
@@ -27,6 +27,8 @@ pub struct Averages {
     /// The averages, in the order of their test functions.
     #[serde(rename = "estimates")]
     pub means: Vec<StationaryMean>,
+    /// Their derivatives by each parameter that is asked for.
+    pub gradient: Vec<(String, Vec<StationaryMean>)>,
     /// Half-width that was asked for.
     pub accuracy: f64,
     /// The step sizes 4τ, 2τ, τ; one where steps have no bias.
@@ -195,7 +197,7 @@ impl Averages {
     ) -> Self {
         let (living, count, tau) = (chains.living(), of.count(), chains.tau);
         let (batches, live) = (living.batches.len(), living.chains.len());
-        let is_average = matches!(of, Averaged::Of(_));
+        let is_average = matches!(of, Averaged::Of(..));
         let (unit, least) =
             if is_average { (1.0, 0.0) } else { (1.0 / tau, NEGLIGIBLE * accuracy) };
         let levels = chains.levels;
@@ -224,17 +226,29 @@ impl Averages {
                 time: time * late / batches as f64,
             }
         };
-        // The covariance with H₀ of a function whose mean is in row k, and that of its product.
-        let products = (levels + 1) * count;
-        let covariance = |k: usize, product: usize| {
-            let rows = [k, products, product].map(|row| living.means(row, first..batches));
-            let rows = rows.map(Iterator::collect::<Vec<_>>);
-            let [f, h] = [0, 1].map(|k| moments(rows[k].iter().copied()).mean());
-            let one = |n: usize| rows[2][n] - h * rows[0][n] - f * (rows[1][n] - h);
-            let all = moments((0..live).map(one));
-            let quantile = two_sided(CONFIDENCE, Some(live as f64 - 1.0));
-            [all.mean(), quantile * all.variance_of_mean().sqrt()]
+        // −Cov(φ, w) + ⟨∂φ⟩ for a weight w: of the rows of φ, w and φw − ∂φ at each step size.
+        let slope = |name: String, rows: &dyn Fn(usize) -> [usize; 3]| {
+            let of_run = |run: usize| -> Vec<f64> {
+                let chains = if run == 0 { live } else { living.paired };
+                let means = |row| living.means(row, first..batches).take(chains);
+                let rows = rows(run).map(|row| means(row).collect::<Vec<_>>());
+                let [f, w] = [0, 1].map(|k| moments(rows[k].iter().copied()).mean());
+                let one = |n: usize| f * (rows[1][n] - w) + w * rows[0][n] - rows[2][n];
+                (0..chains).map(one).collect()
+            };
+            let means = (0..levels).map(of_run).collect();
+            let kept = Kept { means, square: 0.0, of_batches: 0.0, time };
+            StationaryMean {
+                effective_samples: None,
+                autocorrelation_time: None,
+                ..mean(&kept, settings.weak_order, name, true)
+            }
         };
+        let by = |weight: usize, k: usize, name: String| {
+            let products = |run| chains.products(run, weight);
+            slope(name, &|run| [run * count + k, products(run), products(run) + 2 + k])
+        };
+        let written = |mean: StationaryMean| [mean.mean, mean.half_width()];
         let wells = watched.wells(&living, (count, is_average, main, chains.rows()), first);
         let mut wanted = 0.0f64;
         let names = of.names().into_iter().enumerate().zip(wells);
@@ -245,10 +259,7 @@ impl Averages {
             }
             let mut mean = mean(&kept, settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();
-            mean.by_beta = beta.map(|_| {
-                let [value, half_width] = covariance(k, products + 2 + k);
-                [-value, half_width]
-            });
+            mean.by_beta = beta.map(|_| written(by(0, k, String::new())));
             if !is_average {
                 let wander = unit * wander(&living, row(k), first);
                 mean.sampling = hypot(mean.sampling, wander);
@@ -286,14 +297,29 @@ impl Averages {
         };
         let failed = fails
             .then(|| Warning::new(format!("{failed} of {all} chains failed")).with_reason(large));
+        let exact = usize::from(beta.is_some());
+        let gradient = of.slopes().iter().enumerate().map(|(w, Slope { parameter, .. })| {
+            let of_mean = |(k, of): (usize, &StationaryMean)| {
+                let mut slope = by(exact + w, k, format!("∂{}/∂{parameter}", of.name));
+                slope.unknown = slope.unknown.or_else(|| of.unknown.clone());
+                slope
+            };
+            (parameter.clone(), means.iter().enumerate().map(of_mean).collect())
+        });
+        let gradient = gradient.collect();
         Self {
             scheme: scheme.into(),
             means,
+            gradient,
             accuracy,
             taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
             accepted: beta.map(|_| chains.accepted),
-            heat_capacity: beta
-                .map(|beta| covariance(products, products + 1).map(|x| beta * beta * x)),
+            heat_capacity: beta.map(|beta| {
+                let products = chains.products(0, 0);
+                let [value, half_width] =
+                    written(slope(String::new(), &|_| [products, products, products + 1]));
+                [-beta * beta * value, beta * beta * half_width]
+            }),
             chains: live,
             time,
             burn_in: time * first as f64 / batches as f64,
@@ -305,27 +331,32 @@ impl Averages {
         }
     }
 
+    /// The averages and their derivatives.
+    fn all(&self) -> impl Iterator<Item = &StationaryMean> {
+        self.means.iter().chain(self.gradient.iter().flat_map(|(_, slopes)| slopes))
+    }
+
     /// The largest half-width.
     pub fn half_width(&self) -> f64 {
-        self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
+        self.all().map(StationaryMean::half_width).fold(0.0, stats::worse)
     }
 
     /// Whether more than `most` path-steps are needed, by a forecast from the `since` path-steps
     /// that were done with the current steps.
     pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
-        let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
+        let lacks = self.all().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
         let [since, most] = [since, most].map(|n| n as f64);
         since > FORECAST * most && since * lacks > MARGIN * most
     }
 
     /// Whether the bias is large, or chains fail.
     pub(super) fn wants_shorter_steps(&self) -> bool {
-        self.fails || self.means.iter().any(|mean| mean.wants_shorter_steps(self.accuracy))
+        self.fails || self.all().any(|mean| mean.wants_shorter_steps(self.accuracy))
     }
 
     /// Whether every interval has the accuracy, and nothing is unknown.
     pub fn reached(&self) -> bool {
-        let known = self.means.iter().all(|mean| mean.unknown.is_none());
+        let known = self.all().all(|mean| mean.unknown.is_none());
         known && self.unknown.is_empty() && self.half_width() <= self.accuracy
     }
 }
@@ -439,8 +470,8 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
 /// Each average with its interval and the parts of it, what it cost, and what is unknown.
 impl fmt::Display for Averages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let longest = self.means.iter().map(|mean| mean.name.chars().count()).max().unwrap_or(0);
-        for mean in &self.means {
+        let longest = self.all().map(|mean| mean.name.chars().count()).max().unwrap_or(0);
+        for mean in self.all() {
             let StationaryMean { name, sampling, bias, unsettled, autocorrelation_time, .. } = mean;
             let half_width = mean.half_width();
             let value = written(mean.mean, half_width);

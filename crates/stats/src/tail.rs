@@ -9,7 +9,8 @@
 //! A lognormal law with σ = 1, which has all moments, has ξ ≈ 0.3 where samples end, and its N/κ
 //! grows with N (κ is the kurtosis); where there is no variance N/κ stays below some dozens. So a
 //! tail is named heavy where ξ − 0.07 ln(N/κ) exceeds 0.1 by 3.8/√M, for one of three M at least;
-//! the largest M counts, or one that shows no variance. It is also named where N/κ is below thirty
+//! the largest M counts, or one that shows no variance, unless a smaller one has a ξ that is smaller
+//! by 3.8 standard errors of both: M largest values of a mixture may not be in its tail. It is also named where N/κ is below thirty
 //! and more than 128 values give ξ ≥ ½ within a quarter of its error: samples of a law without a
 //! variance that look light have means that are too small. Of laws with fourth moments, up to that
 //! lognormal one, it names two in a hundred or less at 100 and at 1000 values and none at 5000; of
@@ -29,6 +30,8 @@ const LARGEST: [usize; 3] = [512, 128, 32];
 const FEWEST: usize = 16;
 /// Least ratio of the number of values to the number in the tail.
 const PART: usize = 5;
+/// Standard errors of a shape that count as sure.
+const SURELY: f64 = 3.8;
 /// Kurtosis below which no tail is fitted; the exponential law has nine.
 const MIN_KURTOSIS: f64 = 10.0;
 
@@ -90,16 +93,24 @@ impl CentralMoments {
         falling.sort_by(|a, b| b.total_cmp(a));
         let effective = self.effective_samples();
         let limit = 0.1 + 0.07 * elementary::ln(effective);
-        let tail = |most: usize| {
+        let fit = |most: usize| {
             let largest = most.min(falling.len() / PART);
             let shape = shape(falling.get(..=largest).filter(|_| largest >= FEWEST)?);
-            let root = (largest as f64).sqrt();
-            let tail = Tail { shape, error: (1.0 + shape) / root };
-            let few = effective < FEW_SAMPLES && largest > LARGEST[1];
-            let near = few && shape + 0.25 * tail.error >= 0.5;
-            (near || shape - 3.8 / root > limit).then_some(tail)
+            Some((largest, Tail { shape, error: (1.0 + shape) / (largest as f64).sqrt() }))
         };
-        let mut tails = LARGEST.into_iter().filter_map(tail);
+        let fits: Vec<_> = LARGEST.into_iter().filter_map(fit).collect();
+        let tail = |(n, &(largest, tail)): (usize, &(usize, Tail))| {
+            let root = (largest as f64).sqrt();
+            let few = effective < FEW_SAMPLES && largest > LARGEST[1];
+            let near = few && tail.shape + 0.25 * tail.error >= 0.5;
+            // Of the same law both differ by less.
+            let is_lighter = |(_, further): &(usize, Tail)| {
+                further.shape + SURELY * elementary::hypot(further.error, tail.error) < tail.shape
+            };
+            let is_heavy = near || tail.shape - SURELY / root > limit;
+            (is_heavy && !fits[n + 1..].iter().any(is_lighter)).then_some(tail)
+        };
+        let mut tails = fits.iter().enumerate().filter_map(tail);
         let first = tails.next().unwrap_or_default();
         let heavier = |tail: &Tail| first.has_variance() && !tail.has_variance();
         tails.find(heavier).unwrap_or(first)

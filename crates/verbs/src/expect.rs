@@ -12,7 +12,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
-use crate::failure::{Done, Failure};
+use crate::{
+    failure::{Done, Failure},
+    slopes,
+};
 use scenes::{AUTO, Changed, Changes, Count, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
@@ -66,7 +69,11 @@ impl Verb for Expect {
 
 fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
-    let nearby = if scene.gradient.is_empty() { None } else { Some(nearby(scene)?) };
+    let nearby = match scene.gradient.is_empty() {
+        true => None,
+        false if jumps(scene).is_some() => Some(slopes::nearby(scene)?),
+        false => Some(nearby(scene)?),
+    };
     let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
     let (mut expect, mut settings, because) = chosen(scene)?;
     if let Some(nearby) = &nearby {
@@ -122,6 +129,8 @@ const CHANGE: f64 = 1e-7;
 const DISTANCES: [f64; 2] = [1e-8, 1e-6];
 /// Factor of changes that no state shows, and the number of trials.
 const MORE: f64 = 1e3;
+/// Factor of the distance of nearby states, over their size, that no mean survives.
+const GROWTH: f64 = 1e6;
 const TRIALS: usize = 12;
 
 /// Nearby scenes, each parameter changed so much that states differ by 10⁻⁷ of their size.
@@ -132,7 +141,22 @@ fn nearby(scene: &Scene) -> Done<Nearby> {
         let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances();
         let [least, most] = DISTANCES;
         let mut settled = true;
-        for (change, distance) in changes.iter_mut().zip(distances) {
+        let until = scene.settings.until;
+        for ((change, [half, distance]), parameter) in
+            changes.iter_mut().zip(distances).zip(&scene.gradient)
+        {
+            let growth = (distance / half).powi(2);
+            if growth > GROWTH && growth.is_finite() {
+                let rate = growth.ln() / until;
+                return Err(refused(
+                    scene,
+                    format!(
+                        "no derivative by `{parameter}` can be told: nearby paths separate as \
+                     exp({rate:.2} t), by {growth:.0e} until {until}, and derivatives along them \
+                     grow as much. Take an earlier time"
+                    ),
+                ));
+            }
             if distance == 0.0 && *change < 1.0 {
                 *change *= MORE;
                 settled = false;
@@ -148,28 +172,42 @@ fn nearby(scene: &Scene) -> Done<Nearby> {
     Ok(scene.nearby(&changes)?)
 }
 
-/// Adds derivatives by parameters.
+fn refused(scene: &Scene, message: String) -> Failure {
+    scene.source.error(None, message).into()
+}
+
+/// The reason why there are no derivatives along paths, if there are none.
+fn jumps(scene: &Scene) -> Option<String> {
+    if scene.model.has_kinks() {
+        let words = "B or a Hamiltonian has abs, min or max, whose field jumps: take a smooth \
+                     function, such as sqrt(x^2 + d^2)";
+        return Some(words.into());
+    }
+    let smooth =
+        |phi: &Observable| matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_));
+    let phi = scene.expected.iter().find(|phi| !smooth(phi))?;
+    Some(format!(
+        "{} is no smooth function of the state: take one, such as tanh((x - a)/d) for x > a",
+        phi.name
+    ))
+}
+
+/// Adds derivatives by parameters: along paths, or by likelihood ratios where paths do not see
+/// jumps.
 fn with_gradient<'a>(
     expect: expectation::Expect<'a>,
     Nearby { scene, changed }: &'a Nearby,
 ) -> Done<expectation::Expect<'a>> {
-    let refused = |message: String| -> Failure { scene.source.error(None, message).into() };
-    if scene.model.has_kinks() {
-        let words = "no derivatives along paths: B or a Hamiltonian has abs, min or max, whose \
-                     field jumps. Take a smooth function, such as sqrt(x^2 + d^2)";
-        return Err(refused(words.into()));
-    }
-    let smooth =
-        |phi: &Observable| matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_));
-    if let Some(phi) = scene.expected.iter().find(|phi| !smooth(phi)) {
-        return Err(refused(format!(
-            "E[{}] has no derivative along paths, which do not see jumps, integrals and events: \
-             take a smooth function of the state, such as tanh((x - a)/d) for x > a",
-            phi.name
-        )));
-    }
+    let refused = |message| refused(scene, message);
+    let jumps = jumps(scene);
     let mut all = Vec::new();
-    for Changed { parameter, change, offset, scene: near } in changed {
+    for Changed { parameter, change, offset, is_observed, scene: near, .. } in changed {
+        if let (Some(jumps), true) = (&jumps, is_observed) {
+            let words = format!(
+                "no derivative by `{parameter}`, which is in what is observed, and {jumps}"
+            );
+            return Err(refused(words));
+        }
         let times = [scene, near].map(|scene| (scene.settings.until, scene.settings.steps));
         if times[0] != times[1] {
             let words = format!("no derivative by `{parameter}`: it changes the time of the end");
@@ -183,7 +221,13 @@ fn with_gradient<'a>(
             observables: near.expected.iter().map(|phi| phi as _).collect(),
         });
     }
-    Ok(expect.with_gradient(all)?)
+    let Some(jumps) = jumps else { return Ok(expect.with_gradient(all)?) };
+    let systems = changed.iter().map(|near| near.scene.model.system());
+    let nearby = (scene.model.system(), all.into_iter().zip(systems).collect());
+    let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
+    expect
+        .with_scores(&phi, nearby)
+        .map_err(|error| refused(format!("{error}; and along paths there is none: {jumps}")))
 }
 
 /// The accuracy that is wanted of a scene.
@@ -202,15 +246,17 @@ fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Optio
     let settings = &scene.settings;
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
-    let collects = scene.collects() && scene.gradient.is_empty();
-    let whole = scene.model.expect().filter(|_| is_auto && !collects);
+    let jumps = !scene.gradient.is_empty() && jumps(scene).is_some();
+    let collects = scene.collects() && (jumps || scene.gradient.is_empty());
+    // Scores have weak order one.
+    let whole = scene.model.expect().filter(|_| is_auto && !collects && !jumps);
     let (expect, because) = match whole {
         Some(chosen) => (chosen.starting(settings.random.clone()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            let known = BuiltIn::named(&scheme).filter(|_| !collects);
+            let known = BuiltIn::named(&scheme).filter(|_| !collects && !jumps);
             with.weak_order = known.map(|scheme| scheme.properties().weak);
             let setup = scene.setup(&scheme)?;
             let setup = if collects { scene.collecting(setup) } else { setup };

@@ -41,6 +41,7 @@ mod order;
 pub mod output;
 mod referee;
 mod run;
+mod slopes;
 mod stationary;
 
 use std::{

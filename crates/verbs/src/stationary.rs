@@ -17,6 +17,7 @@ use super::{Found, Store, Stores, Verb, Watch, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     output::Figure,
+    slopes::{nearby, slopes},
 };
 use scenes::{AUTO, Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, refuse};
 
@@ -35,6 +36,11 @@ pub struct Equilibrium {
     #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
     #[serde(skip)]
     pub of: Vec<String>,
+    /// Parameters by which averages over exp(-H0/kT) are differentiated; several by several
+    /// `--gradient`
+    #[cfg_attr(feature = "clap", arg(long, value_name = "PARAMETER"))]
+    #[serde(skip)]
+    pub gradient: Vec<String>,
     /// Limits of the chains.
     #[cfg_attr(feature = "clap", command(flatten))]
     #[serde(flatten)]
@@ -111,14 +117,15 @@ impl Chains {
 }
 
 /// Version of the layout of chains in their file.
-const LAYOUT: u32 = 3;
+const LAYOUT: u32 = 4;
 
 impl Verb for Equilibrium {
     const NAME: &'static str = "equilibrium";
     const STORES: Stores = Stores::Samples("chains.bin");
 
     fn changes(&self) -> Changes {
-        Changes { of: self.of.clone(), ..self.chains.changes(self.accuracy) }
+        let (of, gradient) = (self.of.clone(), self.gradient.clone());
+        Changes { of, gradient, ..self.chains.changes(self.accuracy) }
     }
 
     fn meaning(&self) -> String {
@@ -157,6 +164,8 @@ fn average(
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
     let accuracy = wanted.unwrap_or(f64::MAX);
+    let nearby = if scene.changes.gradient.is_empty() { None } else { Some(nearby(scene)?) };
+    let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
     scene.source.located(check(scene, exponents.is_none()))?;
     let ((mut scheme, mut because), start) = (scheme(scene), Instant::now());
     let named = scene.settings.scheme != AUTO;
@@ -202,13 +211,10 @@ fn average(
     let kt = beta.map(|beta| 1.0 / beta);
     equilibrium.components.clone_from(&scene.components);
     (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
-    // Unless some are named, all there are.
-    let of: Vec<_> = match &*scene.expected {
-        [] => scene.observables.iter().chain(&scene.energy).collect(),
-        named => named.iter().collect(),
-    };
-    let of_state = of.into_iter().filter(|phi| phi.quantity.is_of_state());
-    let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
+    let phi: Vec<&dyn Observe> = averaged(scene).into_iter().map(|phi| phi as _).collect();
+    if let Some(nearby) = &nearby {
+        equilibrium.slopes = slopes(nearby, averaged)?;
+    }
     let found = watch
         .until("chains come to their law", accuracy, |told| {
             let equilibrium = stationary::Equilibrium { told: Box::new(told), ..equilibrium };
@@ -245,6 +251,9 @@ fn average(
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
     json["accuracy"] = json!(wanted);
+    let gradient = found.gradient.iter();
+    let gradient = gradient.map(|(name, of)| (name.clone(), of.iter().map(mean).collect()));
+    json["gradient"] = gradient.collect::<serde_json::Map<_, _>>().into();
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
     let of_means = found.means.iter().filter_map(|StationaryMean { name, unknown, .. }| {
         unknown.as_ref().map(|warning| warning.clone().about(name))
@@ -252,6 +261,15 @@ fn average(
     let warnings = of_means.chain(found.unknown.iter().cloned());
     let reached = found.reached();
     Ok(Found::of(scene, warnings, &text, json, figures).to(reached, wanted))
+}
+
+/// The functions that are averaged: unless some are named, all there are.
+fn averaged(scene: &Scene) -> Vec<&Observable> {
+    let of: Vec<_> = match &*scene.expected {
+        [] => scene.observables.iter().chain(&scene.energy).collect(),
+        named => named.iter().collect(),
+    };
+    of.into_iter().filter(|phi| phi.quantity.is_of_state()).collect()
 }
 
 /// Refuses a scene without a stationary law, and averages that are not functions of the state.

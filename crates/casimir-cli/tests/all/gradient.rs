@@ -152,8 +152,9 @@ fn parameters_of_all_sizes_have_derivatives() {
 #[test]
 fn derivatives_that_paths_do_not_show_are_refused() {
     for (from, to, words) in [
-        ("of = [\"q\"]", "of = [\"q > 1\"]", "do not see jumps"),
-        ("of = [\"q\"]", "of = [\"if(q > 1, q, 0)\"]", "do not see jumps"),
+        ("of = [\"q\"]", "of = [\"q > 1\"]", "derivative by s: it changes a noise"),
+        ("of = [\"q\"]", "of = [\"if(q > w, q, 0)\"]", "`w`, which is in what is observed"),
+        ("of = [\"q\"]", "of = [\"H0 > 1\"]", "`s`, which is in what is observed"),
         ("gradient = [\"s\", \"w\"]", "gradient = [\"x\"]", "no parameter `x`"),
         ("until = 2", "until = \"2*w\"", "no derivative by `w`: it changes the time of the end"),
         (
@@ -168,6 +169,10 @@ fn derivatives_that_paths_do_not_show_are_refused() {
         let folder = with_scene(&KUBO.replace(from, to));
         fails(folder.path(), &["expect", "scene.toml"], 2, &[words]);
     }
+    let outside = KUBO.replace("w*(q^2 + p^2)/2", "w*q^2/2").replace("[\"s\", ", "[");
+    let folder = with_scene(&outside.replace("of = [\"q\"]", "of = [\"q > 0\"]"));
+    let words = ["by w: it changes the drift in directions in which no noise acts"];
+    fails(folder.path(), &["expect", "scene.toml"], 2, &words);
 }
 
 /// Hénon and Heiles' stars of energy 1/6 over 200 units of time, with an exponent of a tenth.
@@ -189,6 +194,120 @@ of = ["q1"]
 accuracy = 1e-2
 gradient = ["l"]
 "#;
-    let words = ["not reached, or not to be believed"];
-    fails(with_scene(scene).path(), &["expect", "scene.toml"], 1, &words);
+    let words = ["nearby paths separate as exp(0."];
+    fails(with_scene(scene).path(), &["expect", "scene.toml"], 2, &words);
 }
+
+/// p is an Ornstein–Uhlenbeck process with the mean m = c(1 − e^{−gT})/g and the variance
+/// v = s²(1 − e^{−2gT})/2g; P(p > a) is that of a normal law. The second noise acts on p as well:
+/// with both, the span has directions to spare.
+#[test]
+fn probabilities_and_passages_have_derivatives_by_likelihood_ratios() {
+    let scene = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 - c*q"
+H = ["0.48*q", "0.64*q"]
+parameters = { c = 0.5, g = 0.7 }
+[damping]
+rates = { p = "g" }
+[run]
+initial = [0, 0]
+until = 2
+steps = 64
+[probabilities]
+above = "p > 0.4"
+[expect]
+of = ["above", "p"]
+accuracy = 2e-2
+gradient = ["c", "g"]
+"#;
+    let exact = [
+        ("c", 0, 0.640_891_72),
+        ("c", 1, 1.076_290_05),
+        ("g", 0, -0.199_903_89),
+        ("g", 1, -0.416_497_23),
+    ];
+    are(scene, &exact);
+    // P(max p > a) of a Brownian motion with drift, by reflection.
+    let passage = scene
+        .replace("p^2/2 - c*q", "-c*q")
+        .replace("until = 2", "until = 1")
+        .replace("[probabilities]\nabove = \"p > 0.4\"", "[events]\nhit = \"p > 0.7\"")
+        .replace("[damping]\nrates = { p = \"g\" }\n", "")
+        .replace("[\"above\", \"p\"]", "[\"hit\"]")
+        .replace("[\"c\", \"g\"]", "[\"c\"]");
+    are(&passage, &[("c", 0, 0.436_295_7)]);
+}
+
+/// ∂⟨φ⟩/∂θ = ⟨∂φ⟩ − Cov(φ, ∂(βH₀)): by quadrature for a particle in a double well, exact and by
+/// steps with a bias; and the energy of a rigid body, −Var(H)β² by kT at β = 2.
+#[test]
+fn stationary_averages_have_derivatives() {
+    let well = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + (q^2 - 1)^2 + c*q"
+parameters = { c = 0.1, kT = 0.7, q0 = 0 }
+[bath]
+temperature = "kT"
+friction = { p = 1 }
+[run]
+initial = ["q0", 0]
+until = 20
+steps = 400
+"#;
+    let body = r#"
+[system]
+state = ["x", "y", "z"]
+B = "rigid"
+H0 = "x^2/4 + y^2/2 + z^2*3/4"
+parameters = { kT = 0.5, b = 1 }
+[bath]
+temperature = "kT"
+through = ["x", "y", "z"]
+[run]
+initial = ["cos(1.1)", 0, "sin(1.1)"]
+until = 10
+steps = 400
+"#;
+    let run = |scene: &str, more: &[&str]| {
+        let folder = with_scene(scene);
+        let of = ["equilibrium", "scene.toml", "--json", "--accuracy", "0.02"];
+        json(folder.path(), &[&of, more].concat())
+    };
+    let is = |found: &Value, parameter: &str, k: usize, exact: f64| {
+        let [value, half] = derivative(found, parameter, k);
+        assert!((value - exact).abs() < 1.6 * half, "∂/∂{parameter}: {value} ± {half}, {exact}");
+        assert!(half <= 0.02, "{found}");
+    };
+    let of = ["--of", "q", "--of", "c*q^2", "--gradient", "c", "--gradient", "kT"];
+    let schemes: [&[&str]; 2] = [&[], &["--scheme", "baoab"]];
+    for scheme in schemes {
+        let found = run(well, &[&of[..], scheme].concat());
+        for (parameter, k, exact) in WELL {
+            is(&found, parameter, k, exact);
+        }
+    }
+    let found = run(body, &["--of", "H0", "--gradient", "kT"]);
+    is(&found, "kT", 0, 4.0 * 0.016_200_991_8);
+    for (scene, parameter, words) in [
+        (well, "q0", "it changes the initial value"),
+        (&well.replace("\"canonical\"", "[[\"q0 + 1\"]]"), "q0", "it changes"),
+        (&well.replace("[bath]\ntemperature = \"kT\"\nfriction = { p = 1 }\n", ""), "c", "no"),
+    ] {
+        let folder = with_scene(scene);
+        let arguments = ["equilibrium", "scene.toml", "--gradient", parameter];
+        fails(folder.path(), &arguments, 2, &[words]);
+    }
+}
+
+/// By quadrature: of ⟨q⟩ and ⟨cq²⟩.
+const WELL: [(&str, usize, f64); 4] = [
+    ("c", 0, -1.175_427_78),
+    ("c", 1, 0.843_194_80),
+    ("kT", 0, 0.174_089_10),
+    ("kT", 1, -0.005_084_64),
+];

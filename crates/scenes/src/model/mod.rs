@@ -85,6 +85,27 @@ pub trait Model: Send + Sync {
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }
 
+    /// The inverse temperature β of a law e^{−βH₀} that is stationary on leaves, and reached.
+    ///
+    /// # Errors
+    /// The reason why there is none, in words.
+    fn gibbs(&self) -> Result<f64, String> {
+        let beta = self.bath().and_then(|bath| bath.beta);
+        let beta = beta.ok_or("no exp(-H0/kT) is known to be stationary")?;
+        // Flows keep the volume of leaves; β is of that of y.
+        let (system, y0) = (self.system(), self.problem().y0);
+        let constant = system.description().linearity == Linearity::Constant;
+        if !constant && !is_divergence_free(system, &y0) {
+            return Err("the volume of leaves is not that of y".into());
+        }
+        match span(system, &y0) {
+            Some(Span { reached, leaf, .. }) if reached < leaf => {
+                Err("its noises do not reach all of a leaf".into())
+            }
+            _ => Ok(beta),
+        }
+    }
+
     /// The sampler of e^{−βH₀} whose steps have no bias.
     ///
     /// # Errors
@@ -201,18 +222,7 @@ impl Model for AtRunTime {
 
     fn metropolis(&self) -> Result<Metropolis<'_>, String> {
         let formulas = self.formulas.as_ref().ok_or("a lattice has no such flows")?;
-        let beta = self.bath().and_then(|bath| bath.beta);
-        let beta = beta.ok_or("no exp(-H0/kT) is known to be stationary")?;
-        // Flows keep the volume of leaves; β is of that of y.
-        let (system, y0) = (self.system(), self.problem.y0());
-        let constant = system.description().linearity == Linearity::Constant;
-        if !constant && !is_divergence_free(system, y0) {
-            return Err("the volume of leaves is not that of y".into());
-        }
-        let reach = span(system, y0);
-        if reach.is_some_and(|Span { reached, leaf, .. }| reached < leaf) {
-            return Err("its noises do not reach all of a leaf".into());
-        }
+        let beta = self.gibbs()?;
         let flows = self.flows.get_or_init(|| formulas.by_flows(self.problem.y0()));
         Metropolis::new(&self.problem(), flows, beta)
     }

@@ -1,0 +1,345 @@
+//! Derivatives of expectations by likelihood ratios, for functions that jump and for events.
+//!
+//! Where the drift b depends on θ and the fields fₘ = B∇Hₘ do not, and ∂b/∂θ = Σ uₘfₘ, the change of
+//! θ is a change of the measure (Girsanov): ∂E\[φ\]/∂θ = E\[(φ − c)S\] with the score
+//! S = Σₘ∫uₘdWₘ (Itô) and any number c, here E\[φ\] of a pilot. φ is that of a path, and may jump.
+
+use std::sync::Arc;
+
+use noise::{StepNoise, WienerRows};
+use nonlin::BlockStatus;
+use real::{PathMask, Row, Rows, WIDTH};
+use schemes::{About, Method, Step, Stepper};
+use systems::run_time::{Op, System, Weights};
+
+use super::{
+    Expect,
+    gradient::{Nearby, Parameter, Slope},
+};
+use mc::{Observe, Problem, RunError, Setup};
+
+/// Largest number of noises whose span is sought.
+const MAX_NOISES: usize = 8;
+/// Steps of the pilot, in which the span is tested and means are found.
+const PILOT: u64 = 64;
+/// Largest size of what is not in the span over that of the change of the drift.
+const OUTSIDE: f64 = 1e-4;
+/// Largest change of the fields of noises over them.
+const ROUNDING: f64 = 1e-11;
+/// Size of a pivot over the largest one below which a direction is one of those before.
+const SINGULAR: f64 = 1e-12;
+
+impl<'a> Expect<'a> {
+    /// Adds ∂E\[φ\]/∂θ for every φ, of paths, and the parameter θ of each nearby problem by
+    /// likelihood ratios. `systems` are those of this problem and of the nearby ones. φ must not
+    /// depend on θ.
+    ///
+    /// # Errors
+    /// [`RunError::Setting`] if θ changes the initial value or a noise, or if it changes the drift
+    /// in other directions than those of the noises, as far as 32 paths show.
+    pub fn with_scores(
+        mut self,
+        observables: &[&dyn Observe],
+        (own, nearby): (&'a dyn System, Vec<(Nearby<'a>, &'a dyn System)>),
+    ) -> Result<Self, RunError> {
+        let problem = self.candidates[0].setup.problem.clone();
+        let refused = |name: &str, why: &str| {
+            RunError::Setting(format!("no likelihood ratio for a derivative by {name}: {why}"))
+        };
+        let mut laws = vec![Law { system: own, problem: problem.clone() }];
+        for (Nearby { parameter, change, offset, expect, .. }, system) in nearby {
+            let near = expect.candidates[0].setup.problem.clone();
+            if near.y0 != problem.y0 {
+                return Err(refused(&parameter, "it changes the initial value"));
+            }
+            if problem.noises > MAX_NOISES {
+                let why = format!("there are {} noises, at most {MAX_NOISES}", problem.noises);
+                return Err(refused(&parameter, &why));
+            }
+            laws.push(Law { system, problem: near });
+            let slope = Slope::Score { row: 0, centres: vec![0.0; observables.len()] };
+            self.parameters.push(Parameter { name: parameter, change, offset, slope });
+        }
+        let changes: Arc<[f64]> = self.parameters.iter().map(|one| one.change).collect();
+        let laws: Arc<[Law<'a>]> = laws.into();
+        for candidate in &mut self.candidates {
+            let scored = |method: &Arc<dyn Method + 'a>| -> Arc<dyn Method + 'a> {
+                let (laws, changes) = (Arc::clone(&laws), Arc::clone(&changes));
+                Arc::new(Scored { method: Arc::clone(method), laws, changes })
+            };
+            candidate.mirror = candidate.mirror.as_ref().map(scored);
+            candidate.setup.scheme = scored(&candidate.setup.scheme);
+        }
+        let (rows, live) = self
+            .pilot(&laws, &changes)
+            .map_err(|(k, why)| refused(&self.parameters[k].name, why))?;
+        let first = rows.len() - changes.len();
+        let count = live.paths().count().max(1) as f64;
+        let means = observables.iter().map(|phi| {
+            let values = phi.values(&rows[..first], live);
+            live.paths().map(|p| values[p]).sum::<f64>() / count
+        });
+        let means: Vec<f64> = means.collect();
+        for (k, parameter) in self.parameters.iter_mut().enumerate() {
+            parameter.slope = Slope::Score { row: first + k, centres: means.clone() };
+        }
+        Ok(self)
+    }
+
+    /// The last rows of 32 paths, and the paths that did not fail; or the number of a parameter
+    /// that has no score, and the reason.
+    fn pilot(
+        &self,
+        laws: &[Law<'_>],
+        changes: &[f64],
+    ) -> Result<(Vec<Row>, PathMask), (usize, &'static str)> {
+        let Setup { problem, scheme } = &self.candidates[0].setup;
+        let tau = problem.t_end / PILOT as f64;
+        let mut paths = scheme.start(&problem.start(self.settings.key, 0));
+        let mut noise = scheme.no_noise(problem.noises);
+        let mut wiener = WienerRows::new(self.settings.key, 0);
+        let (mut status, mut live) = (BlockStatus::explicit(), PathMask::ALL);
+        let mut scores = Scores::new(laws, changes);
+        // Squares of the changes of drift and noises, of what is outside of the span, and of noises.
+        let mut squares = vec![[0.0; 4]; changes.len()];
+        for n in 0..PILOT {
+            let Ok(step) = Step::new(problem.damping, n, tau) else { break };
+            scores.at(step.t, paths.state());
+            for (k, squares) in squares.iter_mut().enumerate() {
+                let found = scores.squares(k, live);
+                squares.iter_mut().zip(found).for_each(|(sum, one)| *sum += one);
+            }
+            wiener.increments(tau.sqrt(), &mut noise.increments);
+            paths.step(&step, &noise, &mut status);
+            live = live.without(status.failed);
+        }
+        for (k, [drift, outside, noise, changed]) in squares.into_iter().enumerate() {
+            if changed > ROUNDING * ROUNDING * noise {
+                return Err((k, "it changes a noise"));
+            }
+            if outside > OUTSIDE * OUTSIDE * drift || outside.is_nan() {
+                return Err((k, "it changes the drift in directions in which no noise acts"));
+            }
+        }
+        Ok((paths.state().to_vec(), live))
+    }
+}
+
+/// A system with its damping and friction.
+struct Law<'a> {
+    system: &'a dyn System,
+    problem: Problem<'a>,
+}
+
+impl Law<'_> {
+    /// Writes the drift B∇H₀ − Γy, or the field of noise number k − 1.
+    fn field(&self, k: usize, t: f64, y: &[Row], out: &mut [Row], rows: &mut [Row]) {
+        let Problem { damping, friction, noises, .. } = &self.problem;
+        let (v, rest) = rows.split_at_mut(y.len());
+        let (dw, scratch) = rest.split_at_mut(*noises);
+        (0..*noises).for_each(|m| dw[m] = [f64::from(u8::from(m + 1 == k)); WIDTH]);
+        let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw, areas: &[] };
+        self.system.apply(Op::Gradient { y }, 0..y.len(), h, v, scratch);
+        self.system.apply(Op::Structure { y, v }, 0..y.len(), h, out, scratch);
+        if k > 0 {
+            return;
+        }
+        let mut damp = |i: usize, rate: f64| (0..WIDTH).for_each(|p| out[i][p] -= rate * y[i][p]);
+        (0..y.len()).for_each(|i| damp(i, damping.rate(t)));
+        for one in *friction {
+            one.components.iter().for_each(|&i| damp(i, one.damping.rate(t)));
+        }
+    }
+}
+
+/// Factors uₘ of the noises in the changes of the drift, at the states of 32 paths.
+struct Scores<'a> {
+    laws: &'a [Law<'a>],
+    changes: &'a [f64],
+    dimension: usize,
+    noises: usize,
+    /// The drift and the fields of noises; and those of the nearby problem.
+    own: Vec<Row>,
+    near: Vec<Row>,
+    /// ∂b/∂θ and u of each parameter.
+    drifts: Vec<Row>,
+    factors: Vec<Row>,
+    /// Squares of the changes of fields of noises.
+    changed: Vec<Row>,
+    scratch: Rows,
+}
+
+impl<'a> Scores<'a> {
+    fn new(laws: &'a [Law<'a>], changes: &'a [f64]) -> Self {
+        let (d, noises) = (laws[0].problem.y0.len(), laws[0].problem.noises);
+        let scratch = laws.iter().map(|law| law.system.description().scratch_rows()).max();
+        let rows = |count: usize| vec![[0.0; WIDTH]; count];
+        Self {
+            laws,
+            changes,
+            dimension: d,
+            noises,
+            own: rows(d * (noises + 1)),
+            near: rows(d),
+            drifts: rows(d * changes.len()),
+            factors: rows(noises * changes.len()),
+            changed: rows(changes.len()),
+            scratch: Rows::zero(d + noises + scratch.unwrap_or(0)),
+        }
+    }
+
+    /// Finds ∂b/∂θ and u at the time t and the first rows of y.
+    fn at(&mut self, t: f64, y: &[Row]) {
+        let (d, noises) = (self.dimension, self.noises);
+        let y = &y[..d];
+        for k in 0..=noises {
+            self.laws[0].field(k, t, y, &mut self.own[k * d..(k + 1) * d], &mut self.scratch);
+        }
+        for (k, (law, change)) in self.laws[1..].iter().zip(self.changes).enumerate() {
+            self.changed[k] = [0.0; WIDTH];
+            for m in (0..=noises).rev() {
+                law.field(m, t, y, &mut self.near, &mut self.scratch);
+                let pairs = self.near.iter().zip(&self.own[m * d..(m + 1) * d]);
+                for (i, (near, own)) in pairs.enumerate() {
+                    for p in 0..WIDTH {
+                        let difference = near[p] - own[p];
+                        match m {
+                            0 => self.drifts[k * d + i][p] = difference / change,
+                            _ => self.changed[k][p] += difference * difference,
+                        }
+                    }
+                }
+            }
+        }
+        let (fields, count) = (&self.own[d..], self.changes.len());
+        for p in 0..WIDTH {
+            let mut gram = [[0.0; MAX_NOISES]; MAX_NOISES];
+            for (m, l) in (0..noises).flat_map(|m| (0..=m).map(move |l| (m, l))) {
+                gram[m][l] = (0..d).map(|i| fields[m * d + i][p] * fields[l * d + i][p]).sum();
+            }
+            cholesky(&mut gram, noises);
+            for k in 0..count {
+                let mut u = [0.0; MAX_NOISES];
+                for (m, u) in u[..noises].iter_mut().enumerate() {
+                    *u = (0..d).map(|i| fields[m * d + i][p] * self.drifts[k * d + i][p]).sum();
+                }
+                solve(&gram, &mut u[..noises]);
+                (0..noises).for_each(|m| self.factors[k * noises + m][p] = u[m]);
+            }
+        }
+    }
+
+    /// Adds Σ uₘΔWₘ to the score of each parameter.
+    fn add(&self, noise: &StepNoise, scores: &mut [Row]) {
+        for (factors, score) in self.factors.chunks(self.noises.max(1)).zip(scores) {
+            for (u, dw) in factors.iter().zip(&*noise.increments) {
+                (0..WIDTH).for_each(|p| score[p] += u[p] * dw[p]);
+            }
+        }
+    }
+
+    /// Sums of squares over paths for parameter k: of ∂b/∂θ, of ∂b/∂θ − Σ uₘfₘ, of the fields of
+    /// noises, and of their changes.
+    fn squares(&self, k: usize, live: PathMask) -> [f64; 4] {
+        let (d, noises) = (self.dimension, self.noises);
+        let mut sums = [0.0; 4];
+        for p in live.paths() {
+            for i in 0..d {
+                let drift = self.drifts[k * d + i][p];
+                let field = |m: usize| self.own[(m + 1) * d + i][p];
+                let inside: f64 =
+                    (0..noises).map(|m| self.factors[k * noises + m][p] * field(m)).sum();
+                sums[0] += drift * drift;
+                sums[1] += (drift - inside).powi(2);
+                sums[2] += (0..noises).map(|m| field(m).powi(2)).sum::<f64>();
+            }
+            sums[3] += self.changed[k][p];
+        }
+        sums
+    }
+}
+
+/// Cholesky's factor L of a positive semidefinite matrix, in its lower half. A direction that is
+/// one of those before has a zero on the diagonal.
+fn cholesky(a: &mut [[f64; MAX_NOISES]; MAX_NOISES], n: usize) {
+    let largest = (0..n).map(|m| a[m][m]).fold(0.0, f64::max);
+    for m in 0..n {
+        for l in 0..=m {
+            let sum = a[m][l] - (0..l).map(|k| a[m][k] * a[l][k]).sum::<f64>();
+            a[m][l] = match l == m {
+                true if sum <= SINGULAR * largest => 0.0,
+                true => sum.sqrt(),
+                false if a[l][l] == 0.0 => 0.0,
+                false => sum / a[l][l],
+            };
+        }
+    }
+}
+
+/// Solves LLᵀu = b in place; components of directions that are zero in L are zero.
+fn solve(l: &[[f64; MAX_NOISES]; MAX_NOISES], u: &mut [f64]) {
+    let n = u.len();
+    let over = |x: f64, pivot: f64| if pivot == 0.0 { 0.0 } else { x / pivot };
+    for m in 0..n {
+        u[m] = over(u[m] - (0..m).map(|k| l[m][k] * u[k]).sum::<f64>(), l[m][m]);
+    }
+    for m in (0..n).rev() {
+        u[m] = over(u[m] - (m + 1..n).map(|k| l[k][m] * u[k]).sum::<f64>(), l[m][m]);
+    }
+}
+
+/// A method whose rows end with the scores of parameters.
+struct Scored<'a> {
+    method: Arc<dyn Method + 'a>,
+    /// The law of the paths, and those nearby.
+    laws: Arc<[Law<'a>]>,
+    changes: Arc<[f64]>,
+}
+
+impl Method for Scored<'_> {
+    fn about(&self) -> About {
+        self.method.about()
+    }
+
+    /// Starts from rows with scores, or else with zero scores.
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        let count = self.changes.len();
+        let length = self.method.start(&y[..self.laws[0].problem.y0.len()]).state().len() + count;
+        let (state, known) = y.split_at(if y.len() == length { length - count } else { y.len() });
+        let inner = self.method.start(state);
+        let mut rows = inner.state().to_vec();
+        rows.extend_from_slice(known);
+        rows.resize(length, [0.0; WIDTH]);
+        Box::new(Scoring { inner, scores: Scores::new(&self.laws, &self.changes), rows })
+    }
+}
+
+struct Scoring<'a> {
+    inner: Box<dyn Stepper + 'a>,
+    scores: Scores<'a>,
+    rows: Vec<Row>,
+}
+
+impl Stepper for Scoring<'_> {
+    fn state(&self) -> &[Row] {
+        &self.rows
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let first = self.rows.len() - self.scores.changes.len();
+        let (state, scores) = self.rows.split_at_mut(first);
+        self.scores.at(step.t, state);
+        self.scores.add(noise, scores);
+        self.inner.state_mut().copy_from_slice(state);
+        self.inner.step(step, noise, status);
+        state.copy_from_slice(self.inner.state());
+    }
+
+    fn rests(&mut self, live: PathMask) -> bool {
+        self.inner.rests(live)
+    }
+}

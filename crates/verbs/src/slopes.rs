@@ -1,0 +1,89 @@
+//! Parameters of a stationary law e^{−βH₀}.
+
+use casimir::{
+    mc::Observe,
+    real::{PathMask, Row, Rows, WIDTH},
+    stationary::Slope,
+    systems::run_time::{Op, Weights},
+};
+
+use crate::failure::{Done, Failure};
+use scenes::{Changed, Nearby, Observable, Scene};
+
+/// Change of a parameter over its size.
+const CHANGE: f64 = 1e-6;
+
+/// Scenes near one, with parameters changed by a part of them.
+pub fn nearby(scene: &Scene) -> Done<Nearby> {
+    let none = vec![CHANGE; scene.gradient.len()];
+    let sizes = scene.nearby(&none)?.changed.into_iter().map(|changed| changed.value.abs());
+    let changes: Vec<f64> =
+        sizes.map(|size| if size > 2.0 * CHANGE { CHANGE * size } else { CHANGE }).collect();
+    Ok(scene.nearby(&changes)?)
+}
+
+/// The parameters by which averages of test functions are differentiated: numbers `of` the
+/// observables of a scene that are averaged.
+pub fn slopes<'a>(
+    Nearby { scene, changed }: &'a Nearby,
+    averaged: fn(&Scene) -> Vec<&Observable>,
+) -> Done<Vec<Slope<'a>>> {
+    let slope = |Changed { parameter, change, scene: near, .. }: &'a Changed| {
+        let refused = |why: &str| -> Failure {
+            let words = format!("no derivative of averages by `{parameter}`: {why}");
+            scene.source.error(None, words).into()
+        };
+        if scene.problem().y0 != near.problem().y0 {
+            return Err(refused("it changes the initial value, and with it the leaf"));
+        }
+        if structure(scene) != structure(near) {
+            return Err(refused("it changes B, and with it the leaves"));
+        }
+        let beta = |scene: &Scene| scene.model.gibbs().map_err(|why| refused(&why));
+        let [own, other] = [beta(scene)? / change, beta(near)? / change];
+        let energies = scene.energy.as_ref().zip(near.energy.as_ref());
+        let (energy, nearby) = energies.ok_or_else(|| refused("H0 depends on time"))?;
+        let pairs = averaged(scene).into_iter().zip(averaged(near));
+        let of = pairs.map(|(own, near)| {
+            Box::new(Change { near: (near, 1.0 / change), own: (own, 1.0 / change) }) as _
+        });
+        let weight = Box::new(Change { near: (nearby, other), own: (energy, own) });
+        Ok(Slope { parameter: parameter.clone(), weight, of: of.collect() })
+    };
+    changed.iter().map(slope).collect()
+}
+
+/// B(y)v for general v at general y.
+fn structure(scene: &Scene) -> Vec<Row> {
+    let system = scene.model.system();
+    let (d, description) = (scene.components.len(), system.description());
+    let row = |i: usize, p: usize| 1.0 + 0.3 * ((i * WIDTH + p) as f64).sin();
+    let mut y = Rows::splat(&scene.problem().y0);
+    let (mut v, mut out) = (Rows::zero(d), Rows::zero(d));
+    for (i, p) in (0..d).flat_map(|i| (0..WIDTH).map(move |p| (i, p))) {
+        y[i][p] *= row(i, p);
+        v[i][p] = row(p, i);
+    }
+    let mut scratch = Rows::zero(description.scratch_rows());
+    system.apply(Op::Structure { y: &y, v: &v }, 0..d, Weights::NONE, &mut out, &mut scratch);
+    out.to_vec()
+}
+
+/// A difference of multiples of a function nearby and of one at the parameters.
+struct Change<'a> {
+    near: (&'a Observable, f64),
+    own: (&'a Observable, f64),
+}
+
+impl Observe for Change<'_> {
+    fn name(&self) -> &str {
+        &self.own.0.name
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        let ((near, a), (own, b)) = (self.near, self.own);
+        let before = own.values(y, live);
+        near.evaluate(y, live, values);
+        live.paths().for_each(|p| values[p] = a * values[p] - b * before[p]);
+    }
+}
