@@ -4,8 +4,9 @@ use faer::{Col, Mat, Side};
 
 /// Part of the largest singular value below which another is zero: derivatives are known to 10⁻⁶.
 pub const ZERO: f64 = 1e-5;
-/// Eigenvalue of a matrix of correlations that is zero.
-const SINGULAR: f64 = 1e-9;
+/// Eigenvalue of a matrix of correlations that is zero: a combination that is known a thousand times
+/// better than its moments is a constant of the motion.
+const SINGULAR: f64 = 1e-6;
 
 /// A linear map to independent errors of size one.
 pub struct Whitening {

@@ -8,17 +8,18 @@ use casimir::{
     mc::Observe,
     plot::figure::{Law, Sampled, Trace, fitted, lines},
     real::elementary::{cos, sin},
+    schemes::BuiltIn,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, data::read, expect, scheme};
+use super::{Found, Settled, Store, Stores, Verb, Watch, coarsest_steps, data::read, expect, scheme};
 use crate::{
     failure::{Done, Failure},
     output::Figure,
 };
-use scenes::{Changes, Count, Scene, SchemeAndSeed, Source};
+use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed, Source};
 
 /// Parameters from means, variances, quantiles or samples of data, with 95 % intervals.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -52,7 +53,7 @@ impl Default for Fit {
             data: PathBuf::new(),
             table: None,
             parameters: Vec::new(),
-            path_steps: Count(3_000_000_000),
+            path_steps: Count(1_000_000_000),
             scheme: SchemeAndSeed::default(),
         }
     }
@@ -87,7 +88,7 @@ impl Verb for Fit {
                 None => expect::nearby(&here)?,
             };
             changes = Some(nearby.changed.iter().map(|one| one.change).collect::<Vec<_>>());
-            let (id, _) = scheme_of.get_or_insert_with(|| scheme(&nearby.scene));
+            let (id, _) = scheme_of.get_or_insert_with(|| chosen(&nearby.scene));
             fn observed(scene: &Scene) -> Vec<&dyn Observe> {
                 scene.expected.iter().map(|phi| phi as _).collect()
             }
@@ -190,6 +191,13 @@ impl Fit {
         };
         names.iter().map(one).collect()
     }
+}
+
+/// The scheme: unless one is named, that of weak order two, if the system has flows of parts.
+fn chosen(scene: &Scene) -> Settled {
+    let is_auto = scene.settings.scheme == AUTO && scene.model.scheme(BuiltIn::Nv).is_ok();
+    let because = "parts have flows, and its weak order is 2";
+    if is_auto { (BuiltIn::Nv.id().into(), Some(because.into())) } else { scheme(scene) }
 }
 
 /// A statistic as data name it.
