@@ -43,7 +43,7 @@ pub enum DataError {
     Number {
         /// Name of the number.
         what: &'static str,
-        /// Its range.
+        /// Range of the number.
         right: &'static str,
         /// The number.
         got: f64,
@@ -110,13 +110,13 @@ impl Data {
     /// Means and variances of independent observations, each a time and a value for each
     /// observable.
     ///
-    /// The covariance of d moments at a time is that of their influences x − x̄ and (x − x̄)² − s² over
-    /// n, times (n − 1)/(n − d − 2), by which the inverse has no bias (Hartlap, Simon and Schneider,
-    /// *Astron. Astrophys.* 464, 2007).
+    /// The covariance of d moments at a time is that of their influences x − x̄ and (x − x̄)² − s²
+    /// over n, times (n − 1)/(n − d − 2), by which the inverse has no bias (Hartlap, Simon and
+    /// Schneider, *Astron. Astrophys.* 464, 2007).
     ///
     /// # Errors
-    /// [`DataError::Few`] unless every time has 30 observations, and 5 for each moment; and those of
-    /// [`new`](Self::new).
+    /// [`DataError::Few`] unless every time has 30 observations, and 5 for each moment; and those
+    /// of [`new`](Self::new).
     pub fn of_samples(mut samples: Vec<(f64, Vec<f64>)>) -> Result<Self, DataError> {
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
         let wrong = samples.iter().flat_map(|sample| &sample.1).find(|x| !x.is_finite());
@@ -137,8 +137,7 @@ impl Data {
                 influences[2 * of].extend(apart.clone());
                 influences[2 * of + 1].extend(apart.map(|x| x * x - square));
                 let variance = square * size / (size - 1.0);
-                for (statistic, value) in
-                    [(Statistic::Mean, mean), (Statistic::Variance, variance)]
+                for (statistic, value) in [(Statistic::Mean, mean), (Statistic::Variance, variance)]
                 {
                     moments.push(Moment { time, of, statistic, value });
                 }

@@ -1,5 +1,5 @@
-//! **Parameters from moments of data, with intervals that have the Monte Carlo error and the bias of
-//! the step in them.**
+//! **Parameters from moments of data, with intervals that have the Monte Carlo error and the bias
+//! of the step in them.**
 //!
 //! The method of generalised moments (Hansen, *Econometrica* 50, 1982): θ̂ is where the means,
 //! variances and quantiles of a model are nearest to those of the data, in the norm of the inverse
@@ -28,14 +28,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Intervals.** Of the linear map L from moments to θ̂, 95 % of √(LΣLᵀ + M), plus a bound on the
+//! **Intervals.** With the linear map L from moments to θ̂, 1.96 √(LΣLᵀ + M) plus a bound on the
 //! bias: Σ is the covariance of the data; M is that of the errors of the model's moments and
-//! derivatives, propagated to θ̂ for each of 32 replicates; the bound is L of the difference to half
-//! as many steps. Paths are doubled until M widens no interval by more than a tenth, steps until
+//! derivatives, propagated to θ̂ for each of 32 replicates; the bound is L of the difference to
+//! half as many steps. Paths are doubled until M widens no interval by more than a tenth, steps until
 //! the bound is below a tenth of it. χ² has all three in its covariance.
 //!
-//! **Identifiability.** A singular direction of the derivatives, in units of the errors of the data,
-//! that is zero or less than twice its Monte Carlo error is named: [`FitError::Unidentified`].
+//! **Identifiability.** A singular direction of the derivatives, in units of the errors of the
+//! data, that is zero or less than twice its Monte Carlo error is named:
+//! [`FitError::Unidentified`].
 //!
 //! | file | contents |
 //! |---|---|

@@ -4,8 +4,8 @@ use faer::{Col, Mat, Side};
 
 /// Part of the largest singular value below which another is zero: derivatives are known to 10⁻⁶.
 pub const ZERO: f64 = 1e-5;
-/// Eigenvalue of a matrix of correlations that is zero: a combination that is known a thousand times
-/// better than its moments is a constant of the motion.
+/// Eigenvalue of a matrix of correlations that is zero: a combination that is known a thousand
+/// times better than its moments is a constant of the motion.
 const SINGULAR: f64 = 1e-6;
 
 /// A linear map to independent errors of size one.
@@ -19,12 +19,14 @@ impl Whitening {
     pub fn of(covariance: &[Vec<f64>]) -> Option<Self> {
         let n = covariance.len();
         let size = |i: usize| covariance[i][i].sqrt();
-        let scale: Vec<f64> = (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 0.0 }).collect();
+        let scale: Vec<f64> =
+            (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 0.0 }).collect();
         let correlation = Mat::from_fn(n, n, |i, j| scale[i] * covariance[i][j] * scale[j]);
         let found = correlation.self_adjoint_eigen(Side::Lower).ok()?;
         let values = found.S().column_vector();
         let kept: Vec<usize> = (0..n).filter(|&k| values[k] > SINGULAR).collect();
-        let entry = |k: usize, i: usize| found.U()[(i, kept[k])] * scale[i] / values[kept[k]].sqrt();
+        let entry =
+            |k: usize, i: usize| found.U()[(i, kept[k])] * scale[i] / values[kept[k]].sqrt();
         (!kept.is_empty()).then(|| Self { map: Mat::from_fn(kept.len(), n, entry) })
     }
 
@@ -72,7 +74,8 @@ impl Singular {
     pub fn solve(&self, r: &Col<f64>, damping: f64) -> Vec<f64> {
         let along = self.along(r);
         let inverse = |s: f64| if s > 0.0 { s / (s * s + damping) } else { 0.0 };
-        let parts: Vec<f64> = along.iter().zip(&self.values).map(|(a, &s)| a * inverse(s)).collect();
+        let parts: Vec<f64> =
+            along.iter().zip(&self.values).map(|(a, &s)| a * inverse(s)).collect();
         self.combine(&parts)
     }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use expectation::{Near, SideBySide};
 use mc::{Observe, RunError, Setup, View, parts::Stop};
 use noise::{Purpose, StreamKey, Truncation};
-use real::{Row, elementary};
 use rayon::prelude::*;
+use real::{Row, elementary};
 use stats::CrossMoments;
 
 use crate::{Data, Statistic};
@@ -115,7 +115,8 @@ impl<'a> Paths<'a> {
     /// Paths are of a family of their own, independent of those of simulations with this key.
     ///
     /// # Errors
-    /// [`RunError::Ladder`] if the scheme cannot be run, [`RunError::Stopped`] if `stop` asks for it.
+    /// [`RunError::Ladder`] if the scheme cannot be run, [`RunError::Stopped`] if `stop` asks for
+    /// it.
     pub fn moments(
         &self,
         data: &Data,
@@ -152,7 +153,12 @@ impl<'a> Paths<'a> {
             }
             let slopes = rows.split_off(2);
             let coarse = rows.pop().unwrap_or_default();
-            Replicate { values: rows.pop().unwrap_or_default(), coarse, slopes, failed: found.failed }
+            Replicate {
+                values: rows.pop().unwrap_or_default(),
+                coarse,
+                slopes,
+                failed: found.failed,
+            }
         };
         let all = (0..REPLICATES).into_par_iter().map(replicate).collect();
         if stop.is_asked() { Err(RunError::Stopped) } else { Ok(all) }

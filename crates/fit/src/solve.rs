@@ -16,8 +16,8 @@ use crate::{
 pub struct FitSettings {
     /// Paths of a replicate to begin with; 256 unless set, and at least 2048 for quantiles.
     pub paths: u64,
-    /// Path-evaluations, a path of all its steps counted as its factor of steps, after which neither
-    /// paths nor steps are doubled; 2²⁴ unless set.
+    /// Paths of all evaluations, each counted as its factor of steps, after which neither paths nor
+    /// steps are doubled; 2²⁴ unless set.
     pub most: u64,
 }
 
@@ -220,7 +220,8 @@ pub fn fit<E>(
             holds.then(|| Warning::new(what).with_remedy(remedy))
         };
         let wrong = fit.probability.filter(|p| *p < WRONG).map(|p| {
-            let reason = format!("χ² = {:.1} with {} degrees, p = {p:.1e}", fit.chi_square, fit.degrees);
+            let reason =
+                format!("χ² = {:.1} with {} degrees, p = {p:.1e}", fit.chi_square, fit.degrees);
             Warning::new("the model does not fit the data").with_reason(reason)
         });
         let lost = fit.failed(&found);
@@ -346,11 +347,7 @@ fn judged(data: &Data, names: &[String], found: &Point, effort: Effort) -> Fit {
 }
 
 /// The combination of parameters that changes no moment, if there is one.
-fn unidentified<E>(
-    data: &Data,
-    names: &[String],
-    found: &Point,
-) -> Option<FitError<E>> {
+fn unidentified<E>(data: &Data, names: &[String], found: &Point) -> Option<FitError<E>> {
     let Point { replicates, mean, singular, .. } = found;
     let all = replicates.len() as f64;
     let hidden = |k: &usize| {

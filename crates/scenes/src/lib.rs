@@ -192,7 +192,12 @@ impl Scene {
             accuracy: None,
             gradient: changes.gradient.clone(),
             parameters: constants.numbers.clone(),
-            fitted: file.fit.iter().flat_map(|fit| &fit.parameters).map(|of| of.to_string()).collect(),
+            fitted: file
+                .fit
+                .iter()
+                .flat_map(|fit| &fit.parameters)
+                .map(|of| of.to_string())
+                .collect(),
         };
         let named = |text: &String| At::new(0..0, Text(text.clone()));
         let named: Vec<At<Text>> = changes.of.iter().map(named).collect();

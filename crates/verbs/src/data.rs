@@ -11,16 +11,17 @@ use scenes::Source;
 /// Columns of a table of moments.
 const MOMENTS: [&str; 5] = ["time", "observable", "statistic", "value", "error"];
 
-/// Reads data: a line for each moment, with the columns time, observable, statistic (mean, variance
-/// or a quantile as q0.05), value and error; or one for each sample, with t or time and a column for
-/// each observable. Gives the names of the observables, some of those `known`.
+/// Reads data: a line for each moment, with the columns time, observable, statistic (mean,
+/// variance or a quantile as q0.05), value and error; or one for each sample, with t or time and a
+/// column for each observable. Gives the names of the observables, some of those `known`.
 pub fn read(source: &Source, known: &[&str]) -> Done<(Vec<String>, Data)> {
-    let mut reader =
-        ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(source.text.as_bytes());
+    let mut reader = ReaderBuilder::new()
+        .trim(Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(source.text.as_bytes());
     let unread = |error: csv::Error| Failure::Usage(format!("{}: {error}", source.name));
-    let wrong = |place: Range<usize>, words: String| {
-        Failure::Usage(source.error(place, words).to_string())
-    };
+    let wrong =
+        |place: Range<usize>, words: String| Failure::Usage(source.error(place, words).to_string());
     let header = reader.headers().map_err(unread)?.clone();
     let column = |names: &[&str]| header.iter().position(|name| names.contains(&name));
     let Some(time) = column(&["t", "time"]) else {

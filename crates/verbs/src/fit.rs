@@ -14,7 +14,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Found, Settled, Store, Stores, Verb, Watch, coarsest_steps, data::read, expect, scheme};
+use super::{
+    Found, Settled, Store, Stores, Verb, Watch, coarsest_steps, data::read, expect, scheme,
+};
 use crate::{
     failure::{Done, Failure},
     output::Figure,
@@ -35,7 +37,10 @@ pub struct Fit {
     #[schemars(skip)]
     pub table: Option<String>,
     /// Parameters to find, instead of those of the scene: I1,sigma
-    #[cfg_attr(feature = "clap", arg(long = "of", value_name = "PARAMETERS", value_delimiter = ','))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long = "of", value_name = "PARAMETERS", value_delimiter = ',')
+    )]
     #[schemars(skip)]
     pub parameters: Vec<String>,
     /// Path-steps after which neither paths nor steps are doubled
@@ -108,16 +113,18 @@ impl Verb for Fit {
         let evaluation = (steps * 3 / 2) * (1 + start.len() as u64);
         let settings =
             FitSettings { most: self.path_steps.0 / evaluation, ..FitSettings::default() };
-        let found = ::fit::fit(&data, &start, &settings, &mut model).map_err(|error| match error {
-            FitError::Model(failure) => failure,
-            error @ FitError::Few { .. } => Failure::Usage(error.to_string()),
-            error => Failure::Run(error.to_string()),
-        })?;
+        let found =
+            ::fit::fit(&data, &start, &settings, &mut model).map_err(|error| match error {
+                FitError::Model(failure) => failure,
+                error @ FitError::Few { .. } => Failure::Usage(error.to_string()),
+                error => Failure::Run(error.to_string()),
+            })?;
         let (scheme, because) = scheme_of.unwrap_or_default();
         let mut text = String::new();
         for (k, (name, begin)) in start.iter().enumerate() {
             let (value, half) = (found.values[k], found.half_width(k));
-            text += &format!("{name} = {} ± {half:.1e} (95 %), from {begin}\n", written(value, half));
+            text +=
+                &format!("{name} = {} ± {half:.1e} (95 %), from {begin}\n", written(value, half));
         }
         let probability = found.probability.map_or(String::new(), |p| format!(", p = {p:.2}"));
         let (chi, degrees) = (found.chi_square, found.degrees);
@@ -168,8 +175,8 @@ impl Fit {
             Some(text) => ("data".into(), Ok(text.clone())),
             None => (self.data.display().to_string(), fs::read_to_string(&self.data)),
         };
-        let text = text
-            .map_err(|error| Failure::Usage(format!("cannot read the data {name}: {error}")))?;
+        let text =
+            text.map_err(|error| Failure::Usage(format!("cannot read the data {name}: {error}")))?;
         Ok(Source { name, text, states: None })
     }
 
@@ -177,10 +184,10 @@ impl Fit {
     fn start(&self, scene: &Scene) -> Done<Vec<(String, f64)>> {
         let names = if self.parameters.is_empty() { &scene.fitted } else { &self.parameters };
         let all: Vec<&str> = scene.parameters.iter().map(|(name, _)| &**name).collect();
-        let wrong =
-            |words: String| -> Failure { scene.source.error(None, words).into() };
+        let wrong = |words: String| -> Failure { scene.source.error(None, words).into() };
         if names.is_empty() {
-            let words = format!("nothing is fitted: name parameters by --of; there are {}", all.join(", "));
+            let words =
+                format!("nothing is fitted: name parameters by --of; there are {}", all.join(", "));
             return Err(wrong(words));
         }
         let one = |name: &String| {

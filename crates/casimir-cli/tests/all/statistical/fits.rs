@@ -18,7 +18,7 @@ fn samples_of_kubo(seed: u64, w: f64, s: f64) -> String {
         let t = 0.5 * f64::from(k);
         let mut normals = WienerPath::<1>::new(key, u64::from(k));
         for _ in 0..250 {
-            let angle = w * t + s * normals.increments(t)[0];
+            let angle = w * t + s * normals.increments(t.sqrt())[0];
             text += &format!("{t},{:?},{:?}\n", angle.cos(), -angle.sin());
         }
     }
@@ -54,13 +54,16 @@ fn coverage(
 #[test]
 #[ignore = "a minute or two"]
 fn intervals_of_an_oscillator_cover_long() {
-    let found = coverage(&scene(KUBO), &[("w", 1.0), ("s", 0.5)], 200, &|set| samples_of_kubo(set, 1.0, 0.5));
+    let found = coverage(&scene(KUBO), &[("w", 1.0), ("s", 0.5)], 200, &|set| {
+        samples_of_kubo(set, 1.0, 0.5)
+    });
     println!("{found:?}");
 }
 
 /// Paths of a rigid body by Heun's scheme in many steps.
 fn samples_of_body(seed: u64) -> String {
-    let scene = scene(&BODY.replace("steps = 64", &format!("steps = 1024\nseed = {}", 5000 + seed)));
+    let scene =
+        scene(&BODY.replace("steps = 64", &format!("steps = 1024\nseed = {}", 5000 + seed)));
     let setup = scene.setup("heun").unwrap();
     let simulation = Simulation::new(setup, scene.settings.truncation).every(256);
     let tables = simulation.paths(1024, scene.settings.key, 0..1000).unwrap();

@@ -94,7 +94,8 @@ fn intervals_cover_and_chi_square_is_one() {
 fn derivatives_on_new_noise_and_wrong_models_are_refused() {
     for set in 0..100 {
         let new = found(set, Wrong::NewNoise);
-        let good = new.is_ok_and(|fit| fit.warnings.iter().all(|warning| warning.what.starts_with("Monte")));
+        let good = new
+            .is_ok_and(|fit| fit.warnings.iter().all(|warning| warning.what.starts_with("Monte")));
         assert!(!good, "{set}");
         // χ² is above 4·16²/1.5 less twice its root and what two parameters take.
         let wrong = found(set, Wrong::Model(16.0)).expect("a fit");
