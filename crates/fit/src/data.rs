@@ -32,6 +32,8 @@ pub struct Data {
     pub moments: Vec<Moment>,
     /// Covariance of the errors.
     pub covariance: Vec<Vec<f64>>,
+    /// Number of independent observations of each moment; none where the covariance is given.
+    pub observations: Vec<usize>,
     pub(crate) whitening: Whitening,
 }
 
@@ -91,7 +93,7 @@ impl Data {
         let wrong = covariance.iter().flatten().find(|x| !x.is_finite());
         demand("a covariance", "finite", *wrong.unwrap_or(&0.0), wrong.is_none())?;
         let whitening = Whitening::of(&covariance).ok_or(DataError::Constant)?;
-        Ok(Self { moments, covariance, whitening })
+        Ok(Self { moments, covariance, observations: Vec::new(), whitening })
     }
 
     /// Moments with independent errors of these standard deviations.
@@ -121,13 +123,14 @@ impl Data {
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
         let wrong = samples.iter().flat_map(|sample| &sample.1).find(|x| !x.is_finite());
         demand("an observation", "finite", *wrong.unwrap_or(&0.0), wrong.is_none())?;
-        let (mut moments, mut blocks) = (Vec::new(), Vec::new());
+        let (mut moments, mut blocks, mut observations) = (Vec::new(), Vec::new(), Vec::new());
         for at_time in samples.chunk_by(|a, b| a.0 == b.0) {
             let (time, n, width) = (at_time[0].0, at_time.len(), at_time[0].1.len());
             let (d, least) = (2 * width, FEW.max(2 * EACH * width));
             if n < least {
                 return Err(DataError::Few { time, got: n, least });
             }
+            observations.extend(vec![n; d]);
             let size = n as f64;
             let mut influences = vec![Vec::with_capacity(n); d];
             for of in 0..width {
@@ -157,12 +160,7 @@ impl Data {
             }
             first += block.len();
         }
-        Self::new(moments, covariance)
-    }
-
-    /// Number of combinations of the moments that have no error and are left out.
-    pub fn left_out(&self) -> usize {
-        self.moments.len() - self.whitening.map.nrows()
+        Ok(Self { observations, ..Self::new(moments, covariance)? })
     }
 
     /// The last time.

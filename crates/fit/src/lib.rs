@@ -18,7 +18,7 @@
 //!     let times = [0.0, 1.0, 2.0];
 //!     let values = times.map(|t| theta[0] + theta[1] * t).to_vec();
 //!     let slopes = vec![vec![1.0; 3], times.to_vec()];
-//!     Ok::<_, String>(vec![Replicate { coarse: values.clone(), values, slopes, failed: 0 }])
+//!     Ok::<_, String>(vec![Replicate { coarse: values.clone(), values, slopes, covariance: vec![], failed: 0 }])
 //! };
 //! let start = [("a".into(), 0.0), ("b".into(), 1.0)];
 //! let found = fit(&data, &start, &FitSettings::default(), &mut line)?;
@@ -33,6 +33,8 @@
 //! derivatives, propagated to θ̂ for each of 32 replicates; the bound is L of the difference to
 //! half as many steps. Paths are doubled until M widens no interval by more than a tenth, steps until
 //! the bound is below a tenth of it. χ² has all three in its covariance.
+//!
+//! The errors of samples are those of the model at θ̂.
 //!
 //! **Identifiability.** A singular direction of the derivatives, in units of the errors of the
 //! data, that is zero or less than twice its Monte Carlo error is named:

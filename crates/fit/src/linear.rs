@@ -9,6 +9,7 @@ pub const ZERO: f64 = 1e-5;
 const SINGULAR: f64 = 1e-6;
 
 /// A linear map to independent errors of size one.
+#[derive(Clone)]
 pub struct Whitening {
     /// The map W with WΣWᵀ = 1.
     pub map: Mat<f64>,

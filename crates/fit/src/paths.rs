@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use real::{Row, elementary};
 use stats::CrossMoments;
 
-use crate::{Data, Statistic};
+use crate::{Data, Moment, Statistic};
 
 /// Number of independent replicates of the moments.
 const REPLICATES: u64 = 32;
@@ -27,6 +27,9 @@ pub struct Replicate {
     pub coarse: Vec<f64>,
     /// Derivatives of the moments by each parameter.
     pub slopes: Vec<Vec<f64>>,
+    /// Covariance of the moments of samples times their number, by all replicates, in the first one;
+    /// empty for others, and for data that are no samples.
+    pub covariance: Vec<Vec<f64>>,
     /// Number of paths that failed.
     pub failed: u64,
 }
@@ -137,7 +140,10 @@ impl<'a> Paths<'a> {
             places.push(known.unwrap_or(cells.len()));
             if known.is_none() {
                 let (moments, rows) = (CrossMoments::new(length), None);
-                cells.push(Cell { paths: self, time, of, moments, rows });
+                let first = cells.iter().all(|cell| cell.time != time);
+                let joint = CrossMoments::new(2 * self.observables[0].len());
+                let joint = Some(joint).filter(|_| first && !data.observations.is_empty());
+                cells.push(Cell { paths: self, time, of, moments, rows, joint });
             }
             if let (Statistic::Quantile(_), Some(&place)) = (moment.statistic, places.last()) {
                 cells[place].rows = Some(Vec::new());
@@ -153,15 +159,30 @@ impl<'a> Paths<'a> {
             }
             let slopes = rows.split_off(2);
             let coarse = rows.pop().unwrap_or_default();
-            Replicate {
-                values: rows.pop().unwrap_or_default(),
-                coarse,
-                slopes,
-                failed: found.failed,
-            }
+            let values = rows.pop().unwrap_or_default();
+            let (covariance, failed) = (Vec::new(), found.failed);
+            let joint = |cell: Cell<'_, '_>| Some((cell.time, cell.joint?));
+            let joints: Vec<_> = found.statistic.into_iter().filter_map(joint).collect();
+            (Replicate { values, coarse, slopes, covariance, failed }, joints)
         };
-        let all = (0..REPLICATES).into_par_iter().map(replicate).collect();
-        if stop.is_asked() { Err(RunError::Stopped) } else { Ok(all) }
+        let all: Vec<_> = (0..REPLICATES).into_par_iter().map(replicate).collect();
+        if stop.is_asked() {
+            return Err(RunError::Stopped);
+        }
+        let (mut all, joints): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+        let joints = joints.into_iter().reduce(|mut sums, more| {
+            sums.iter_mut().zip(&more).for_each(|(sum, more)| sum.1.merge(&more.1));
+            sums
+        });
+        let joint = |time| Some(&joints.as_ref()?.iter().find(|joint| joint.0 == time)?.1);
+        let entry = |a: &Moment, b: &Moment| match joint(step(a.time)) {
+            Some(joint) if a.time == b.time => together(joint, a, b),
+            _ => 0.0,
+        };
+        let row = |a| data.moments.iter().map(|b| entry(a, b)).collect();
+        let moments = data.moments.iter().take(data.observations.len());
+        all[0].covariance = moments.map(row).collect();
+        Ok(all)
     }
 }
 
@@ -173,6 +194,8 @@ struct Cell<'b, 'a> {
     time: u64,
     of: usize,
     moments: CrossMoments,
+    /// Moments of all observables and their squares, in the first cell of a time.
+    joint: Option<CrossMoments>,
     /// Values of all paths, for quantiles.
     rows: Option<Vec<f64>>,
 }
@@ -188,6 +211,16 @@ impl mc::Statistic for Cell<'_, '_> {
             let rows = &state[k * dimension..(k + 1) * dimension];
             observables[k][self.of].values(rows, view.live)
         };
+        if let Some(joint) = &mut self.joint {
+            let of = |phi: &&dyn Observe| phi.values(&fine[..*dimension], view.live);
+            let values: Vec<Row> = observables[0].iter().map(of).collect();
+            let mut row = Vec::new();
+            for p in view.live.paths() {
+                row.clear();
+                row.extend(values.iter().flat_map(|values| [values[p], values[p] * values[p]]));
+                joint.add(&row);
+            }
+        }
         let own = value(fine, 0);
         let mut all = vec![own, value(coarse, 0)];
         for (k, change) in changes.iter().enumerate() {
@@ -204,6 +237,7 @@ impl mc::Statistic for Cell<'_, '_> {
 
     fn merge(&mut self, later: Self) {
         self.moments.merge(&later.moments);
+        self.joint.iter_mut().zip(&later.joint).for_each(|(joint, more)| joint.merge(more));
         self.rows.iter_mut().zip(later.rows).for_each(|(rows, more)| rows.extend(more));
     }
 }
@@ -224,6 +258,20 @@ impl Cell<'_, '_> {
             _ => moments.means(),
         }
     }
+}
+
+/// Covariance of the influences of two moments, x − E x or (x − E x)² − Var x.
+fn together(joint: &CrossMoments, a: &Moment, b: &Moment) -> f64 {
+    let parts = |moment: &Moment| match moment.statistic {
+        Statistic::Variance => {
+            vec![(2 * moment.of + 1, 1.0), (2 * moment.of, -2.0 * joint.mean(2 * moment.of))]
+        }
+        _ => vec![(2 * moment.of, 1.0)],
+    };
+    let (first, second) = (parts(a), parts(b));
+    let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (x, y)));
+    let sum: f64 = pairs.map(|(x, y)| x.1 * y.1 * joint.covariance_of_means(x.0, y.0)).sum();
+    sum * joint.count() as f64
 }
 
 /// A quantile by fine steps, by coarse ones, and its derivatives E\[∂φ | φ = q\]: means over the

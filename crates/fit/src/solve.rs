@@ -154,6 +154,7 @@ fn mean(all: &[Replicate]) -> Replicate {
         values: over(&|one| &one.values),
         coarse: over(&|one| &one.coarse),
         slopes: (0..all[0].slopes.len()).map(|k| over(&|one| &one.slopes[k])).collect(),
+        covariance: all[0].covariance.clone(),
         failed: all.iter().map(|one| one.failed).sum(),
     }
 }
@@ -175,10 +176,6 @@ pub fn fit<E>(
     settings: &FitSettings,
     model: &mut dyn FnMut(&[f64], &Effort) -> Result<Vec<Replicate>, E>,
 ) -> Result<Fit, FitError<E>> {
-    let (parameters, moments) = (start.len(), data.whitening.map.nrows());
-    if parameters > moments {
-        return Err(FitError::Few { parameters, moments });
-    }
     let is_quantile = |statistic| matches!(statistic, Statistic::Quantile(_));
     let quantiles = data.moments.iter().any(|moment| is_quantile(moment.statistic));
     let least = if quantiles { FOR_QUANTILES } else { 1 };
@@ -186,15 +183,21 @@ pub fn fit<E>(
     let (mut evaluations, mut spent) = (0, 0);
     let mut theta: Vec<f64> = start.iter().map(|(_, value)| *value).collect();
     let names: Vec<String> = start.iter().map(|(name, _)| name.clone()).collect();
+    let (parameters, mut to) = (start.len(), data.whitening.clone());
+    let mut weighted = data.observations.is_empty();
     loop {
+        let moments = to.map.nrows();
+        if parameters > moments {
+            return Err(FitError::Few { parameters, moments });
+        }
         let mut at = |theta: &[f64]| {
             (evaluations, spent) = (evaluations + 1, spent + effort.all_paths() * effort.steps);
-            point(data, &names, theta, model(theta, &effort).map_err(FitError::Model)?)
+            point((data, &to), &names, theta, model(theta, &effort).map_err(FitError::Model)?)
         };
         let (found, settled) = search(at(&theta)?, &mut at)?;
-        let mut fit = judged(data, &names, &found, effort);
+        let mut fit = judged(&to, &names, &found, effort);
         theta = found.theta.clone();
-        let unseen = unidentified(data, &names, &found);
+        let unseen = unidentified(&to, &names, &found);
         let mut next = effort;
         for k in 0..parameters {
             let whole = fit.covariance[k][k];
@@ -208,8 +211,14 @@ pub fn fit<E>(
         }
         let affordable = spent + 4 * next.all_paths() * next.steps <= settings.most;
         let exact = found.singular.values.contains(&0.0);
-        if next != effort && affordable && !(exact && unseen.is_some()) {
+        let mut again = next != effort && affordable && !(exact && unseen.is_some());
+        if again {
             effort = next;
+        }
+        if let (true, Some(own)) = (again || !weighted, of_model(data, &found.mean)) {
+            (to, weighted, again) = (own, true, true);
+        }
+        if again {
             continue;
         }
         if let Some(error) = unseen {
@@ -234,6 +243,15 @@ pub fn fit<E>(
     }
 }
 
+/// Errors of samples by the covariance of the model: that of the same samples is large where their
+/// variance is, by chance, and would give the weights a bias (Altonji and Segal, *J. Bus. Econ.
+/// Stat.* 14, 1996).
+fn of_model(data: &Data, mean: &Replicate) -> Option<Whitening> {
+    let over = |(row, n): (&Vec<f64>, &usize)| row.iter().map(|x| x / *n as f64).collect();
+    let rows: Vec<Vec<f64>> = mean.covariance.iter().zip(&data.observations).map(over).collect();
+    Whitening::of(&rows)
+}
+
 impl Fit {
     fn failed(&self, found: &Point) -> Option<Warning> {
         let (failed, all) = (found.mean.failed, self.effort.all_paths());
@@ -244,15 +262,15 @@ impl Fit {
 
 /// Moments at θ in units of the errors of the data.
 fn point<E>(
-    data: &Data,
+    (data, to): (&Data, &Whitening),
     names: &[String],
     theta: &[f64],
     replicates: Vec<Replicate>,
 ) -> Result<Point, FitError<E>> {
     let mean = mean(&replicates);
     let values: Vec<f64> = data.moments.iter().map(|moment| moment.value).collect();
-    let residual = data.whitening.vector(&minus(&values, &mean.values));
-    let slopes = data.whitening.columns(&mean.slopes);
+    let residual = to.vector(&minus(&values, &mean.values));
+    let slopes = to.columns(&mean.slopes);
     let finite = residual.is_all_finite() && slopes.is_all_finite();
     let singular = Singular::of(&slopes).filter(|_| finite).ok_or_else(|| {
         let pairs = names.iter().zip(theta).map(|(name, value)| format!("{name} = {value}"));
@@ -289,7 +307,7 @@ fn search<E>(
 }
 
 /// The intervals and χ² at the end of a search.
-fn judged(data: &Data, names: &[String], found: &Point, effort: Effort) -> Fit {
+fn judged(to: &Whitening, names: &[String], found: &Point, effort: Effort) -> Fit {
     let Point { replicates, mean, residual, slopes, singular, .. } = found;
     let (p, all) = (names.len(), replicates.len() as f64);
     // Errors of the mean over replicates; one replicate is exact.
@@ -297,14 +315,14 @@ fn judged(data: &Data, names: &[String], found: &Point, effort: Effort) -> Fit {
     let mut covariance: Vec<Vec<f64>> = (0..p)
         .map(|k| singular.inverse(&(0..p).map(|j| f64::from(u8::from(j == k))).collect::<Vec<_>>()))
         .collect();
-    let bias = data.whitening.vector(&minus(&mean.values, &mean.coarse));
+    let bias = to.vector(&minus(&mean.values, &mean.coarse));
     let mut errors = Mat::<f64>::identity(residual.nrows(), residual.nrows());
     errors += &bias * bias.transpose();
     let mut monte_carlo = vec![0.0; p];
     for one in replicates {
-        let apart = data.whitening.vector(&minus(&one.values, &mean.values));
+        let apart = to.vector(&minus(&one.values, &mean.values));
         let by: Vec<_> = one.slopes.iter().zip(&mean.slopes).map(|(a, b)| minus(a, b)).collect();
-        let by = data.whitening.columns(&by);
+        let by = to.columns(&by);
         // The gradient Jᵀr of this replicate beside that of the mean.
         let gradient = by.transpose() * residual - slopes.transpose() * &apart;
         let of = singular.inverse(&(0..p).map(|k| gradient[k]).collect::<Vec<_>>());
@@ -347,7 +365,7 @@ fn judged(data: &Data, names: &[String], found: &Point, effort: Effort) -> Fit {
 }
 
 /// The combination of parameters that changes no moment, if there is one.
-fn unidentified<E>(data: &Data, names: &[String], found: &Point) -> Option<FitError<E>> {
+fn unidentified<E>(to: &Whitening, names: &[String], found: &Point) -> Option<FitError<E>> {
     let Point { replicates, mean, singular, .. } = found;
     let all = replicates.len() as f64;
     let hidden = |k: &usize| {
@@ -357,7 +375,7 @@ fn unidentified<E>(data: &Data, names: &[String], found: &Point) -> Option<FitEr
             (0..of.values.len()).map(sum).collect()
         };
         let whole = along(mean);
-        let apart = |one| data.whitening.vector(&minus(&along(one), &whole)).squared_norm_l2();
+        let apart = |one| to.vector(&minus(&along(one), &whole)).squared_norm_l2();
         let error = replicates.iter().map(apart).sum::<f64>() / (all * (all - 1.0).max(1.0));
         s * s <= SEEN * SEEN * error
     };

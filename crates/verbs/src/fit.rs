@@ -131,8 +131,9 @@ impl Verb for Fit {
         text += &format!("χ² = {chi:.1} with {degrees} degrees of freedom{probability}\n");
         let (paths, steps) = (found.effort.all_paths(), steps * found.effort.steps);
         text += &format!("{scheme}, {paths} paths of {steps} steps, {} times\n", found.evaluations);
-        if data.left_out() > 0 {
-            text += &format!("{} combinations of moments do not vary\n", data.left_out());
+        let constant = data.moments.len() - degrees - start.len();
+        if constant > 0 {
+            text += &format!("{constant} combinations of moments do not vary\n");
         }
         text += &super::lines_of(&found.warnings);
         let seconds = begun.elapsed().as_secs_f64();
