@@ -19,6 +19,9 @@ impl Whitening {
     /// Whitening of a covariance Σ on the complement of its kernel; `None` without one.
     pub fn of(covariance: &[Vec<f64>]) -> Option<Self> {
         let n = covariance.len();
+        if n == 0 {
+            return None;
+        }
         let size = |i: usize| covariance[i][i].sqrt();
         let scale: Vec<f64> =
             (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 0.0 }).collect();
