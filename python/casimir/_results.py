@@ -434,6 +434,44 @@ class Expectation(Result, Mapping[str, Estimate]):
         return pandas.DataFrame.from_dict(self._estimates, "index", columns=Estimate._fields)
 
 
+class Fit(Result):
+    """Parameters that were fitted to data, each with its 95 % interval."""
+
+    def __init__(self, scene: Scene, found: _Found) -> None:
+        super().__init__(scene, found)
+
+        def estimate(one: Any) -> Estimate:
+            return Estimate(*(float(one[key]) for key in ("value", "lo", "hi", "half_width")))
+
+        self.parameters = {str(one["name"]): estimate(one) for one in self.data["parameters"]}
+        self.covariance = np.array(self.data["covariance"], dtype=np.float64)
+        """The covariance of the parameters, in their order."""
+
+    @property
+    def reached(self) -> bool:
+        """Whether nothing speaks against the fit."""
+        return bool(self.data["reached"])
+
+    @property
+    def chi2(self) -> float:
+        """χ² of the moments."""
+        return float(self.data["chi_square"])
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom of χ²."""
+        return int(self.data["degrees"])
+
+    @property
+    def probability(self) -> float | None:
+        """Probability of a larger χ² if the model is right; ``None`` without degrees of freedom."""
+        return _number(self.data["probability"])
+
+    def to_pandas(self) -> Any:
+        """A table of pandas: the moments of the data and of the fit."""
+        return _imported("pandas").DataFrame(self.data["moments"])
+
+
 class Order(Result):
     """Orders of a scheme; ``strong`` and ``weak`` are ``None`` where none can be named."""
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import difflib
 import functools
+import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
@@ -17,7 +19,7 @@ from . import _core
 from ._errors import SceneError
 from ._formulas import finite, plain, whole
 from ._progress import How, how
-from ._results import Comparison, Expectation, Inspection, Order, Result, Run
+from ._results import Comparison, Expectation, Fit, Inspection, Order, Result, Run
 
 R = TypeVar("R", bound=Result)
 
@@ -349,6 +351,34 @@ class Scene:
         return self._called(Comparison, "compare", options, changes, how(threads, progress))
     # Verbs: the test `declared` of the program writes these methods.
 
+    def fit(
+        self,
+        data: Any,
+        parameters: str | Sequence[str] = (),
+        *,
+        path_steps: float = 1e9,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Fit:
+        """Finds parameters from moments or samples: ``fit(frame, ["I1", "sigma"])``.
+
+        ``data`` is a frame of pandas, a dictionary of columns, or the name of a CSV file. Moments
+        have the columns time, observable, statistic (mean, variance or a quantile as q0.05), value
+        and error; samples have t and a column for each observable.
+
+        ``parameters``: Names, instead of those of ``[fit]``; the search begins at their values.
+
+        ``path_steps``: Path-steps after which neither paths nor steps are doubled.
+        """
+        names = [parameters] if isinstance(parameters, str) else list(parameters)
+        options: Mapping[str, Any] = {
+            "table": _table(data),
+            "parameters": names,
+            "path_steps": whole("path_steps", path_steps),
+        }
+        return self._called(Fit, "fit", options, changes, how(threads, progress))
+
     def _called(
         self,
         result: Callable[..., R],
@@ -407,6 +437,24 @@ def _array(states: Any) -> NDArray[np.float64]:
         where = f"row {wrong[0]} is {array[wrong[0]].tolist()}" if len(wrong) else "there is none"
         raise SceneError(f"initial states must be finite, and at least one: {where}", "run.initial")
     return array
+
+
+def _table(data: Any) -> str:
+    """Data as a text of CSV."""
+    if isinstance(data, (str, PathLike)):
+        try:
+            return Path(data).read_text(encoding="utf-8")
+        except OSError as error:
+            raise SceneError(f"cannot read the data {fspath(data)}: {error.strerror}") from error
+    if hasattr(data, "to_csv"):
+        index = getattr(data.index, "names", None) or [None]
+        return str(data.to_csv(index=any(name is not None for name in index)))
+    if not isinstance(data, Mapping):
+        what = type(data).__name__
+        raise SceneError(f"data are a frame, a dictionary of columns or a CSV file, got {what}")
+    file = io.StringIO()
+    csv.writer(file).writerows([list(data), *zip(*data.values(), strict=True)])
+    return file.getvalue()
 
 
 def _text(text: str, pairs: Sequence[tuple[Sequence[str], str]]) -> str:

@@ -21,6 +21,7 @@ stats: real
 mc: stats real schemes systems noise nonlin
 study: mc stats noise real
 expectation: mc schemes systems nonlin stats noise real
+fit: expectation mc systems stats noise real
 stationary: expectation study mc schemes systems nonlin stats noise real
 inspect: mc schemes systems noise real
 analysis: inspect mc stats formula schemes systems nonlin noise real
@@ -28,7 +29,7 @@ plot: stats real
 casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
     nonlin dgrad noise real
 scenes: casimir kernels
-verbs: scenes casimir
+verbs: scenes fit casimir
 cli: verbs scenes casimir
 verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real
 xtask:";

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scenes::{Changes, count};
 use verbs::{
-    Compare, Equilibrium, Expect, Inspect, Lyapunov, Order, failure::Done, output::Format,
+    Compare, Equilibrium, Expect, Fit, Inspect, Lyapunov, Order, failure::Done, output::Format,
 };
 
 use crate::commands;
@@ -52,6 +52,11 @@ pub enum Command {
     /// Compute expectations with 95 % intervals
     #[command(after_help = "Example: casimir expect top.toml --accuracy 1e-4")]
     Expect(Asked<Expect>),
+    /// Find parameters from moments or samples of data, with 95 % intervals
+    #[command(after_help = "Example: casimir fit kubo.toml data.csv --of sigma
+Data are a table of moments, with the columns time, observable, statistic (mean, variance or a
+quantile as q0.05), value and error; or of samples, with t and a column for each observable")]
+    Fit(Asked<Fit>),
     /// Average over the stationary law, with 95 % intervals that include the step error
     #[command(after_help = "Example: casimir equilibrium double-well.toml --accuracy 1e-3")]
     Equilibrium(Asked<Equilibrium>),
@@ -117,6 +122,7 @@ impl Command {
             Inspect(asked) => commands::compute(&asked),
             Run(asked) => commands::run(&asked),
             Expect(asked) => commands::compute(&asked),
+            Fit(asked) => commands::compute(&asked),
             Equilibrium(asked) => commands::compute(&asked),
             Lyapunov(asked) => commands::compute(&asked),
             Order(asked) => commands::compute(&asked),

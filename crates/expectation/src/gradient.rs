@@ -246,19 +246,23 @@ impl Observe for OnRows<'_> {
 }
 
 /// A method and nearby ones on the same noise, with the rows of all states.
-struct SideBySide<'a> {
-    method: Arc<dyn Method + 'a>,
-    dimension: usize,
-    nearby: Vec<Near<'a>>,
+pub struct SideBySide<'a> {
+    /// Method of the problem.
+    pub method: Arc<dyn Method + 'a>,
+    /// Dimension of a state.
+    pub dimension: usize,
+    /// Nearby methods.
+    pub nearby: Vec<Near<'a>>,
 }
 
 /// A method whose parameter is changed.
-struct Near<'a> {
-    method: Arc<dyn Method + 'a>,
+pub struct Near<'a> {
+    /// Method of the nearby problem.
+    pub method: Arc<dyn Method + 'a>,
     /// Damping of all components.
-    damping: &'a dyn Damping,
+    pub damping: &'a dyn Damping,
     /// Difference of the initial values.
-    shift: Vec<f64>,
+    pub shift: Vec<f64>,
 }
 
 impl Method for SideBySide<'_> {

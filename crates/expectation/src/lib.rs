@@ -104,7 +104,7 @@ use mc::{
     Checkpoint, Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop,
 };
 
-pub use gradient::Nearby;
+pub use gradient::{Near, Nearby, SideBySide};
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 pub use report::{short, written};
 

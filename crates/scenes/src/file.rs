@@ -40,6 +40,8 @@ pub struct SceneFile {
     pub figures: FiguresTable,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
+    /// Parameters that `casimir fit` finds.
+    pub fit: Option<FitTable>,
     /// Values of parameters that `casimir run` varies, one run for each combination: a list, or
     /// `"from:to:number"`.
     #[serde(default)]
@@ -165,6 +167,14 @@ pub struct ExpectTable {
     /// Parameters θ for the derivatives of all expectations.
     #[serde(default)]
     pub gradient: Vec<At<String>>,
+}
+
+/// Parameters that `casimir fit` finds from data.
+#[derive(Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FitTable {
+    /// Names of the parameters, which are numbers; the search begins at their values.
+    pub parameters: Vec<At<String>>,
 }
 
 /// Statistics of how observables depend on each other and on their past, from 100 paths on.

@@ -101,6 +101,10 @@ pub struct Scene {
     pub accuracy: Option<f64>,
     /// Parameters by which expectations are differentiated.
     pub gradient: Vec<String>,
+    /// Parameters that are numbers, with their values.
+    pub parameters: Vec<(String, f64)>,
+    /// Parameters that are fitted to data.
+    pub fitted: Vec<String>,
 }
 
 /// Largest number of components that are examined one by one.
@@ -187,6 +191,13 @@ impl Scene {
             expected: Vec::new(),
             accuracy: None,
             gradient: changes.gradient.clone(),
+            parameters: constants.numbers.clone(),
+            fitted: file
+                .fit
+                .iter()
+                .flat_map(|fit| &fit.parameters)
+                .map(|of| of.to_string())
+                .collect(),
         };
         let named = |text: &String| At::new(0..0, Text(text.clone()));
         let named: Vec<At<Text>> = changes.of.iter().map(named).collect();
@@ -287,6 +298,20 @@ impl Scene {
         let parameters: Vec<_> =
             self.gradient.iter().cloned().zip(changes.iter().copied()).collect();
         Nearby::new(&self.source, &self.changes, &parameters)
+    }
+
+    /// The scene at other values of parameters, by which its expectations of other functions are
+    /// differentiated.
+    ///
+    /// # Errors
+    /// [`SceneError`] if a function or a value is wrong.
+    pub fn at(&self, of: &[String], values: &[(String, f64)]) -> Result<Self, SceneError> {
+        let mut changes = Changes { of: of.to_vec(), ..(*self.changes).clone() };
+        changes.gradient = values.iter().map(|(name, _)| name.clone()).collect();
+        changes.scheme.sets.retain(|set| !changes.gradient.contains(&set.name));
+        let set = |(name, value): &(String, f64)| Set::of(name, *value);
+        changes.scheme.sets.extend(values.iter().map(set));
+        Self::new(self.source.clone(), &changes)
     }
 
     /// Adds the quantities that paths collect to a setup.

@@ -23,6 +23,13 @@ pub struct Set {
     pub values: Vec<String>,
 }
 
+impl Set {
+    /// One value of a parameter.
+    pub fn of(name: &str, value: f64) -> Self {
+        Self { name: name.into(), values: vec![format!("{value:?}")] }
+    }
+}
+
 impl FromStr for Set {
     type Err = String;
 

@@ -59,7 +59,7 @@ pub use mean_squares::{Bend, Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES};
 pub use point::Point;
 pub use proportion::proportion;
-pub use quantile::{CONFIDENCE, two_sided};
+pub use quantile::{CONFIDENCE, chi_square_p_value, two_sided};
 pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};

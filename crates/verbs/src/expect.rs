@@ -134,7 +134,7 @@ const GROWTH: f64 = 1e6;
 const TRIALS: usize = 12;
 
 /// Nearby scenes, each parameter changed so much that states differ by 10⁻⁷ of their size.
-fn nearby(scene: &Scene) -> Done<Nearby> {
+pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     let mut changes = vec![CHANGE; scene.gradient.len()];
     for _ in 0..TRIALS {
         let nearby = scene.nearby(&changes)?;

@@ -33,9 +33,11 @@
 
 pub mod citation;
 mod compare;
+mod data;
 pub mod doctor;
 mod expect;
 pub mod failure;
+mod fit;
 mod inspect;
 mod order;
 pub mod output;
@@ -69,6 +71,7 @@ use serde_json::{Value, json};
 
 pub use compare::Compare;
 pub use expect::Expect;
+pub use fit::Fit;
 pub use inspect::Inspect;
 pub use order::Order;
 pub use referee::{Measure, judge, single_steps, solver_noise};
@@ -177,7 +180,7 @@ macro_rules! verbs {
     };
 }
 
-verbs!(Inspect, Expect, Equilibrium, Lyapunov, Order, Compare);
+verbs!(Inspect, Expect, Fit, Equilibrium, Lyapunov, Order, Compare);
 
 /// Result of a command.
 #[derive(Default)]

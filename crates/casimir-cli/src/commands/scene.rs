@@ -106,7 +106,8 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
     let found = |store: &Store, watch: &Watch| options.compute(&scene, store, watch);
     if V::STORES == Stores::Nothing {
         let found = found(&Store::Nothing, &watch())?;
-        return tell(&found, on.out.as_deref(), V::NAME, on.json);
+        tell(&found, on.out.as_deref(), V::NAME, on.json)?;
+        return found.unreached.map_or(Ok(()), |words| Err(Failure::Run(words)));
     }
     let folder = folder(on, V::NAME)?;
     let to = if V::WRITES { Some(&folder) } else { on.out.as_ref() };

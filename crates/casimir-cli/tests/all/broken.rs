@@ -12,6 +12,7 @@ const BROKEN: &[Broken] = &[
     // Keys and types.
     (OSCILLATOR, "steps = 64", "stepz = 64", "line 13, column 1", "the nearest is `steps`"),
     (OSCILLATOR, "[damping]", "[dumping]", "line 8, column 2", "the nearest is `damping`"),
+    (OSCILLATOR, "[observe]", "[fit]\nof = []\n[observe]", "line 17, column 1", "expected `parameters`"),
     (OSCILLATOR, "accuracy =", "precision =", "line 20, column 1", "expected one of `of`, `accuracy`, `gradient`"),
     (OSCILLATOR, "steps = 64\n", "", "line 10, column 1", "missing key `steps`"),
     (OSCILLATOR, "steps = 64", "steps = 0", "line 13, column 9", "at least 1"),

@@ -132,7 +132,9 @@ fn table() -> String {
 #[test]
 fn options_are_declared_once() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let methods: Vec<String> = NAMES.iter().map(|verb| method(verb)).collect();
+    // Data are no option: `fit` is written by hand.
+    let methods = NAMES.iter().filter(|verb| **verb != "fit").map(|verb| method(verb));
+    let methods: Vec<String> = methods.collect();
     for (file, mark, written) in [
         ("docs/scenes.md", OF_PAGE, table()),
         ("python/casimir/_scene.py", OF_PYTHON, methods.join("\n")),

@@ -8,6 +8,7 @@ mod common;
 mod declared;
 mod defaults;
 mod doctor;
+mod fit;
 mod friction;
 mod gallery;
 mod gradient;

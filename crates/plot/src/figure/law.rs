@@ -9,8 +9,9 @@ use super::{
     axis::Range,
     canvas::{Canvas, Color, INK, Stroke},
     frame::{BELOW, Frame, Plain, Title, UNIT, small},
-    legend::Sample,
+    legend::{Sample, of_curves},
     look::BLUE,
+    sweep::Sampled,
     ticks::Ticks,
 };
 use crate::label::Label;
@@ -110,6 +111,32 @@ pub fn bands<'a>(title: &str, x_title: &str, y_title: impl Into<Title<'a>>, law:
     let mut plain = Plain::new(entries, 190.0, (x, Some(x_title)), (values, y_title));
     law.draw(&mut plain.canvas, &plain.frame);
     plain.page(title, !law.mean.iter().any(|mean| mean.is_finite()))
+}
+
+/// Figure of measured values with their intervals, beside fitted ones with a band, as an SVG
+/// document.
+pub fn fitted(title: &str, x: &str, y: &str, law: &Law, data: &[Sampled]) -> String {
+    let (x_title, y_title) = (Title::from(x), Title::from(y));
+    let [x, _] = ranges([law].into_iter(), x_title, y_title);
+    let ends = data.iter().flat_map(|&(_, y, of)| of.map_or([y; 2], |(lo, hi)| [lo, hi]));
+    let values = law.interval.iter().chain([&law.mean]).flatten().copied();
+    let y = y_title.range(values.chain(ends), 0.06);
+    let (looks, _) = of_curves(&["data"]);
+    let entries = [
+        (Sample::Area(COLOR, OPACITY), "95 % of the fit"),
+        (Sample::Line(MEAN), "fit"),
+        (Sample::Point(looks[0]), "data"),
+    ];
+    let entries = entries.map(|(sample, name)| (sample, Label::words(name)));
+    let mut plain = Plain::new(entries, 190.0, (x.padded(0.04), Some(x_title)), (y, y_title));
+    law.draw(&mut plain.canvas, &plain.frame);
+    for &(x, value, interval) in data {
+        let bar = interval.map(|(lo, hi)| [(x, lo), (x, hi)]);
+        plain.line(bar.into_iter().flatten(), Stroke::new(looks[0].color, 1.3));
+        let at = plain.frame.place(x, value);
+        plain.canvas.marker(at, looks[0], 2.4, false);
+    }
+    plain.page(title, data.is_empty())
 }
 
 /// Room for the labels on the left of small plots, and their height.

@@ -24,7 +24,7 @@ pub use chart::{Curve, Measured, Plot, side_by_side};
 pub use convergence::convergence;
 pub use evolution::evolution;
 pub use frame::Title;
-pub use law::{Bins, Law, bands, histogram, multiples};
+pub use law::{Bins, Law, bands, fitted, histogram, multiples};
 pub use lines::{Trace, lines};
 pub use sweep::{Sampled, against};
 

@@ -2,5 +2,6 @@
 
 mod along;
 mod baths;
+mod fits;
 mod stationary;
 mod truths;

@@ -1,0 +1,189 @@
+//! Parameters from data: closed forms, combinations that data do not show, wrong models and tables.
+
+use std::fs;
+
+use scenes::{Changes, Scene, Source};
+use serde_json::Value;
+
+use crate::common::{fails, json, run, with_scene};
+
+/// q − ip = e^{i(wt + sW)}: E[q] = e^{−s²t/2} cos wt.
+pub const KUBO: &str = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "w*(q^2 + p^2)/2"
+H = ["s*(q^2 + p^2)/2"]
+parameters = { w = 1.2, s = 0.4 }
+[run]
+initial = [1, 0]
+until = 2
+steps = 64
+[fit]
+parameters = ["w", "s"]
+"#;
+
+/// dp = −f p dt − s dW from p = 1: normal, with mean e^{−ft} and variance s²(1 − e^{−2ft})/2f.
+const ORNSTEIN: &str = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2"
+H = ["s*q"]
+parameters = { f = 0.7, s = 0.5 }
+[damping]
+rates = { p = "f" }
+[run]
+initial = [0, 1]
+until = 9
+steps = 64
+"#;
+
+/// A scene of a text.
+pub fn scene(text: &str) -> Scene {
+    let source = Source { name: "scene.toml".into(), text: text.into(), states: None };
+    Scene::new(source, &Changes::default()).expect("a scene")
+}
+
+/// A table of moments at four times, each known to `error`.
+fn table(observable: &str, error: f64, of: &[(&str, &dyn Fn(f64) -> f64)]) -> String {
+    let mut text = String::from("time,observable,statistic,value,error\n");
+    for t in [0.5, 1.0, 1.5, 2.0] {
+        for (statistic, value) in of {
+            text += &format!("{t:?},{observable},{statistic},{:?},{error}\n", value(t));
+        }
+    }
+    text
+}
+
+/// E[q] of Kubo's oscillator.
+fn mean_q(w: f64, s: f64) -> impl Fn(f64) -> f64 {
+    move |t| (-0.5 * s * s * t).exp() * (w * t).cos()
+}
+
+/// Var q of Kubo's oscillator: E[q²] = (1 + e^{−2s²t} cos 2wt)/2.
+fn variance_q(w: f64, s: f64) -> impl Fn(f64) -> f64 {
+    move |t| {
+        let square = 0.5 * (1.0 + (-2.0 * s * s * t).exp() * (2.0 * w * t).cos());
+        square - mean_q(w, s)(t).powi(2)
+    }
+}
+
+fn fit(text: &str, data: &str, arguments: &[&str]) -> Value {
+    let folder = with_scene(text);
+    fs::write(folder.path().join("data.csv"), data).expect("a file");
+    let all = [&["fit", "scene.toml", "data.csv", "--json"], arguments].concat();
+    json(folder.path(), &all)
+}
+
+/// Asserts parameters whose data have no error: what is left is Monte Carlo, at most 4.5 standard
+/// errors (7e-6 for each), and the bias.
+#[track_caller]
+fn are(found: &Value, exact: &[f64]) {
+    for (one, exact) in found["parameters"].as_array().unwrap().iter().zip(exact) {
+        let [value, error, bias] =
+            ["value", "monte_carlo", "bias_bound"].map(|key| one[key].as_f64().unwrap());
+        assert!((value - exact).abs() < 4.5 * error + bias, "{exact}: {one}");
+    }
+    assert!(found["probability"].as_f64().unwrap() > 0.5, "{found}");
+}
+
+#[test]
+fn parameters_are_those_of_closed_forms() {
+    let data =
+        table("q", 0.01, &[("mean", &mean_q(1.0, 0.5)), ("variance", &variance_q(1.0, 0.5))]);
+    let found = fit(KUBO, &data, &[]);
+    are(&found, &[1.0, 0.5]);
+    // The same bits for any number of threads.
+    let but_time = |mut found: Value| {
+        found["seconds"] = Value::Null;
+        found
+    };
+    let alone = fit(KUBO, &data, &["--threads", "1"]);
+    assert_eq!(but_time(found), but_time(alone));
+    // Of normal laws; the fit begins elsewhere.
+    let deviation = |t: f64| 0.6 * ((1.0 - (-1.8 * t).exp()) / 1.8f64).sqrt();
+    let quantile = |z: f64| move |t: f64| (-0.9 * t).exp() + z * deviation(t);
+    let [low, high] = [quantile(-1.644_853_627), quantile(1.644_853_627)];
+    let data = table("p", 0.02, &[("q0.05", &low), ("q0.95", &high), ("q0.5", &quantile(0.0))]);
+    are(&fit(ORNSTEIN, &data, &["--of", "f,s"]), &[0.9, 0.6]);
+}
+
+#[test]
+fn combinations_that_data_do_not_show_are_named() {
+    let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);
+    let product = KUBO.replace("\"w*(q", "\"w*v*(q").replace("w = 1.2", "v = 0.5, w = 2.2");
+    let sum =
+        KUBO.replace("2)/2\"]", "2)/2\", \"r*(q^2 + p^2)/2\"]").replace("w = ", "r = 0.4, w = ");
+    for (scene, of, words) in [
+        // 2.2 dv + 0.5 dw moves wv to 1.
+        (product, "v,w", "they change with v + 0."),
+        // r² + s² alone.
+        (sum, "r,s", "they change with r + "),
+        (KUBO.replace("w = 1.2", "u = 3, w = 1.2"), "w,u", "they do not depend on `u`; fix it"),
+    ] {
+        let folder = with_scene(&scene);
+        fs::write(folder.path().join("data.csv"), &data).expect("a file");
+        let arguments = ["fit", "scene.toml", "data.csv", "--of", of, "--path-steps", "1e7"];
+        fails(folder.path(), &arguments, 1, &[words]);
+    }
+}
+
+#[test]
+fn a_wrong_model_is_refused() {
+    // Damped data; without damping no frequency and noise give the mean and the variance.
+    let damped = |t: f64| (-0.2 * t).exp() * mean_q(1.0, 0.5)(t);
+    let variance = |t: f64| (-0.4 * t).exp() * variance_q(1.0, 0.5)(t);
+    let data = table("q", 0.01, &[("mean", &damped), ("variance", &variance)]);
+    let folder = with_scene(KUBO);
+    fs::write(folder.path().join("data.csv"), &data).expect("a file");
+    let found = run(folder.path(), &["fit", "scene.toml", "data.csv", "--json"]);
+    assert_eq!(found.status.code(), Some(1));
+    let found: Value = serde_json::from_slice(&found.stdout).expect("JSON");
+    assert!(found["probability"].as_f64().unwrap() < 1e-3, "{found}");
+    assert_eq!(found["warnings"][0]["what"], "the model does not fit the data");
+    // With the damping it is right.
+    let right = KUBO.replace("[run]", "[damping]\nrate = 0.2\n[run]");
+    are(&fit(&right, &data, &[]), &[1.0, 0.5]);
+}
+
+#[test]
+fn wrong_data_and_parameters_are_refused_with_their_place() {
+    let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);
+    let kink = KUBO.replace("w*(q^2 + p^2)/2", "p^2/2 + w*abs(q)");
+    for (scene, from, to, words) in [
+        (KUBO, "1.0,q,", "1.0,x,", "line 3, column 5: no observable `x`; there are p, q"),
+        (
+            KUBO,
+            "1.0,q,mean",
+            "1.0,q,middle",
+            "line 3, column 7: `middle` is neither mean, variance",
+        ),
+        (KUBO, "1.0,q,mean", "1.0,q,q1.5", "`q1.5` is neither"),
+        (KUBO, "2.0,q", "late,q", "line 5, column 1: `late` in the column `time` is not a number"),
+        (KUBO, "0.01\n1.0", "0\n1.0", "line 2, column 31: an error must be positive, got 0"),
+        (KUBO, "0.01\n1.0", "0.01,3\n1.0", "line: 2, byte: 38): found record with 6 fields"),
+        (KUBO, "time,", "when,", "no column `t` or `time`"),
+        (KUBO, "2.0,q", "-2,q", "a time must be at least 0 and finite, got -2"),
+        (KUBO, "2.0,q", "1.9999,q", "the times of the data are not multiples"),
+        (KUBO, "time,observable", "time,x", "no observable `x`"),
+        (KUBO, "time,observable,statistic,value,error\n", "t,q\n1,0.5\n", "line: "),
+        (&kink, "time", "time", "whose field jumps"),
+        (
+            &KUBO.replace("\"w\", \"s\"", "\"x\""),
+            "time",
+            "time",
+            "no parameter `x` to fit; there are",
+        ),
+        (&KUBO.replace("\"w\", \"s\"", ""), "time", "time", "nothing is fitted: name parameters"),
+    ] {
+        let folder = with_scene(scene);
+        fs::write(folder.path().join("data.csv"), data.replacen(from, to, 1)).expect("a file");
+        fails(folder.path(), &["fit", "scene.toml", "data.csv"], 2, &[words]);
+    }
+    let few = "t,q\n1,0.5\n1,0.6\n";
+    let folder = with_scene(KUBO);
+    fs::write(folder.path().join("data.csv"), few).expect("a file");
+    let words = "t = 1 has 2 observations, and their covariance takes 30";
+    fails(folder.path(), &["fit", "scene.toml", "data.csv"], 2, &[words]);
+}

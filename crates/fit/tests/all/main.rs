@@ -1,0 +1,3 @@
+//! Tests of fits.
+
+mod statistical;

@@ -1,0 +1,3 @@
+//! Statistical property tests.
+
+mod intervals;
