@@ -54,4 +54,4 @@ mod solve;
 
 pub use data::{Data, DataError, Moment, Statistic};
 pub use paths::{Effort, NearbySetup, Paths, Replicate};
-pub use solve::{Fit, FitError, FitSettings, fit};
+pub use solve::{Fit, FitError, FitSettings, Model, fit};

@@ -102,6 +102,10 @@ impl Fit {
     }
 }
 
+/// Replicates of the moments at θ with some effort.
+pub type Model<'a, E> = dyn FnMut(&[f64], &Effort) -> Result<Vec<Replicate>, E> + 'a;
+type At<'a, E> = dyn FnMut(&[f64]) -> Result<Point, FitError<E>> + 'a;
+
 /// Step, in errors of the data, below which the search ends.
 const CLOSE: f64 = 1e-3;
 /// Largest number of steps of a search.
@@ -174,7 +178,7 @@ pub fn fit<E>(
     data: &Data,
     start: &[(String, f64)],
     settings: &FitSettings,
-    model: &mut dyn FnMut(&[f64], &Effort) -> Result<Vec<Replicate>, E>,
+    model: &mut Model<'_, E>,
 ) -> Result<Fit, FitError<E>> {
     let is_quantile = |statistic| matches!(statistic, Statistic::Quantile(_));
     let quantiles = data.moments.iter().any(|moment| is_quantile(moment.statistic));
@@ -281,10 +285,7 @@ fn point<E>(
 
 /// The method of Levenberg and Marquardt; the first trial of each step is Gauss and Newton's.
 /// Returns whether the last step was short.
-fn search<E>(
-    mut here: Point,
-    at: &mut dyn FnMut(&[f64]) -> Result<Point, FitError<E>>,
-) -> Result<(Point, bool), FitError<E>> {
+fn search<E>(mut here: Point, at: &mut At<'_, E>) -> Result<(Point, bool), FitError<E>> {
     let mut damping = 0.0;
     for _ in 0..STEPS {
         if here.distance() < CLOSE {

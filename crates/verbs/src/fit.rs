@@ -238,7 +238,7 @@ fn curves(names: &[String], data: &::fit::Data, found: &::fit::Fit) -> Vec<Figur
             (at.time, at.value, Some((at.value - error, at.value + error)))
         };
         let bars: Vec<Sampled> = places.iter().map(bar).collect();
-        let svg = fitted(&name, "time t", &*name, &law, &bars);
+        let svg = fitted(&name, "time t", &name, &law, &bars);
         let caption = format!("{name}: data with 95 % intervals, and the fit with its band.");
         Figure::of("fit", &name, svg, caption)
     };
