@@ -18,7 +18,8 @@
 //!     let times = [0.0, 1.0, 2.0];
 //!     let values = times.map(|t| theta[0] + theta[1] * t).to_vec();
 //!     let slopes = vec![vec![1.0; 3], times.to_vec()];
-//!     Ok::<_, String>(vec![Replicate { coarse: values.clone(), values, slopes, covariance: vec![], failed: 0 }])
+//!     let (coarse, covariance) = (values.clone(), vec![]);
+//!     Ok::<_, String>(vec![Replicate { values, coarse, slopes, covariance, failed: 0 }])
 //! };
 //! let start = [("a".into(), 0.0), ("b".into(), 1.0)];
 //! let found = fit(&data, &start, &FitSettings::default(), &mut line)?;
