@@ -27,8 +27,8 @@ pub struct Replicate {
     pub coarse: Vec<f64>,
     /// Derivatives of the moments by each parameter.
     pub slopes: Vec<Vec<f64>>,
-    /// Covariance of the moments of samples times their number, by all replicates, in the first one;
-    /// empty for others, and for data that are no samples.
+    /// Covariance of the moments of samples times their number, by all replicates, in the first
+    /// one; empty for others, and for data that are no samples.
     pub covariance: Vec<Vec<f64>>,
     /// Number of paths that failed.
     pub failed: u64,
