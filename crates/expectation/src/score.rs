@@ -1,7 +1,7 @@
 //! Derivatives of expectations by likelihood ratios, for functions that jump and for events.
 //!
-//! Where the drift b depends on θ and the fields fₘ = B∇Hₘ do not, and ∂b/∂θ = Σ uₘfₘ, the change of
-//! θ is a change of the measure (Girsanov): ∂E\[φ\]/∂θ = E\[(φ − c)S\] with the score
+//! Where the drift b depends on θ and the fields fₘ = B∇Hₘ do not, and ∂b/∂θ = Σ uₘfₘ, the change
+//! of θ is a change of the measure (Girsanov): ∂E\[φ\]/∂θ = E\[(φ − c)S\] with the score
 //! S = Σₘ∫uₘdWₘ (Itô) and any number c, here E\[φ\] of a pilot. φ is that of a path, and may jump.
 
 use std::sync::Arc;
@@ -100,7 +100,7 @@ impl<'a> Expect<'a> {
         let mut wiener = WienerRows::new(self.settings.key, 0);
         let (mut status, mut live) = (BlockStatus::explicit(), PathMask::ALL);
         let mut scores = Scores::new(laws, changes);
-        // Squares of the changes of drift and noises, of what is outside of the span, and of noises.
+        // Squares of ∂b/∂θ, of its part outside of the span, of noises, and of their changes.
         let mut squares = vec![[0.0; 4]; changes.len()];
         for n in 0..PILOT {
             let Ok(step) = Step::new(problem.damping, n, tau) else { break };

@@ -32,8 +32,8 @@
 //! **Intervals.** With the linear map L from moments to θ̂, 1.96 √(LΣLᵀ + M) plus a bound on the
 //! bias: Σ is the covariance of the data; M is that of the errors of the model's moments and
 //! derivatives, propagated to θ̂ for each of 32 replicates; the bound is L of the difference to
-//! half as many steps. Paths are doubled until M widens no interval by more than a tenth, steps until
-//! the bound is below a tenth of it. χ² has all three in its covariance.
+//! half as many steps. Paths are doubled until M widens no interval by more than a tenth, steps
+//! until the bound is below a tenth of it. χ² has all three in its covariance.
 //!
 //! The errors of samples are those of the model at θ̂.
 //!

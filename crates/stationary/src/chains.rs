@@ -47,9 +47,9 @@ struct Block {
 }
 
 /// Rows with a number for each chain: the means over a batch of each average at each step size,
-/// zero where a chain has the longest only, and of its square at the longest; for each step size and
-/// each weight w of a derivative (where steps have no bias, H₀ is the first) of w, of w², and of
-/// φw − ∂φ for each average; and the values of watched functions at its end.
+/// zero where a chain has the longest only, and of its square at the longest; for each step size
+/// and each weight w of a derivative (where steps have no bias, H₀ is the first) of w, of w², and
+/// of φw − ∂φ for each average; and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// The batches of the chains that have not failed.
