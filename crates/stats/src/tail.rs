@@ -13,9 +13,10 @@
 //! standard errors of both: the M largest values of a mixture may not be in its tail. It is also
 //! named where N/κ is below thirty and more than 128 values give ξ ≥ ½ within a quarter of its
 //! error: samples of a law without a variance that look light have means that are too small. Of
-//! laws with fourth moments, up to that lognormal one, it names two in a hundred or less at 100 and at 1000 values and none at 5000; of
-//! those with α = 1.67 it names 0.9 at 1000 values and 0.96 at 5000; with α = 1.1 all at 1000 and a
-//! third at 100, which are too few to tell: `tests/all/statistical/tails.rs`. With α = 1.67 seven
+//! laws with fourth moments, up to that lognormal one, it names two in a hundred or less at 100
+//! and at 1000 values and none at 5000; of those with α = 1.67 it names 0.9 at 1000 values and
+//! 0.96 at 5000; with α = 1.1 all at 1000 and a third at 100, which are too few to tell:
+//! `tests/all/statistical/tails.rs`. With α = 1.67 seven
 //! means in a hundred have an interval at 1000 values that misses, three at 5000.
 
 use std::fmt;
