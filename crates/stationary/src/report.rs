@@ -27,7 +27,7 @@ pub struct Averages {
     /// The averages, in the order of their test functions.
     #[serde(rename = "estimates")]
     pub means: Vec<StationaryMean>,
-    /// Their derivatives by each parameter that is asked for.
+    /// Derivatives of the averages by each parameter that is asked for.
     pub gradient: Vec<(String, Vec<StationaryMean>)>,
     /// Half-width that was asked for.
     pub accuracy: f64,
