@@ -123,6 +123,13 @@ impl Sphere {
         self.harmonics
     }
 
+    /// W − F, the relative vorticity.
+    pub fn relative(&self, w: &[c64]) -> Vec<c64> {
+        let mut relative = w.to_vec();
+        add(self.n, &mut relative, &self.planetary.1, 0, -self.planetary.0);
+        relative
+    }
+
     /// Writes V = a(−Δ)⁻¹(W − F), diagonal by diagonal.
     fn stream(&self, w: &[c64], a: f64, v: &mut [c64]) {
         let (n, harmonics) = (self.n, self.harmonics);
@@ -195,8 +202,6 @@ impl MatrixSystem for Sphere {
     fn energy(&self, w: &[c64]) -> f64 {
         let mut v = vec![c64::ZERO; w.len()];
         self.stream(w, 1.0, &mut v);
-        let mut relative = w.to_vec();
-        add(self.n, &mut relative, &self.planetary.1, 0, -self.planetary.0);
-        0.5 * inner(&relative, &v)
+        0.5 * inner(&self.relative(w), &v)
     }
 }
