@@ -58,8 +58,7 @@ impl Equations {
         Self { n, permutation: [vec![0; n], vec![0; n]], memory }
     }
 
-    /// Replaces b by a⁻¹b, and a by its factors. The Hermitian part of a must be positive, so that
-    /// small matrices need no pivots.
+    /// Replaces b by a⁻¹b, and a by its factors.
     pub fn solve(&mut self, a: &mut [c64], b: &mut [c64]) {
         let n = self.n;
         if n <= SMALL {
@@ -75,9 +74,15 @@ impl Equations {
     }
 }
 
-/// Gauss's elimination.
+/// Gauss's elimination with the largest pivots of columns.
 fn eliminate(n: usize, a: &mut [c64], b: &mut [c64]) {
     for k in 0..n {
+        let size = |i: &usize| a[k * n + i].norm_sqr();
+        let row = (k..n).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(k);
+        if row != k {
+            (0..n).for_each(|j| a.swap(j * n + k, j * n + row));
+            (0..n).for_each(|j| b.swap(j * n + k, j * n + row));
+        }
         let pivot = a[k * n + k].inv();
         for i in k + 1..n {
             let factor = a[k * n + i] * pivot;

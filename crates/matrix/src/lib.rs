@@ -21,7 +21,7 @@
 //! matrix::coordinates(8, &w, |i, y| y0[i] = y);
 //! let system = InCoordinates::new(Arc::clone(&fluid));
 //! let problem = Problem::new(Arc::new(system), Arc::new(Constant::new(0.1)?), y0, 1.0)?;
-//! let setup = setup(&problem, fluid, Scheme::Cayley);
+//! let setup = setup(&problem, fluid, Scheme::Explicit);
 //! let simulation = Simulation::new(setup, Truncation::none());
 //! let paths = simulation.paths(64, StreamKey { seed: 1, experiment: 0 }, 0..2)?;
 //! assert!(paths[1].column("C3 defect").unwrap().iter().all(|defect| defect.abs() < 1e-12));

@@ -15,17 +15,19 @@ use crate::{
     system::{bracket, coordinates, dimension, inner, matrices},
 };
 
-/// Schemes W⁺ = CWC* between two halves of exact damping, with Cayley's map
-/// C = (1 + ½iV)⁻¹(1 − ½iV) of a Hermitian matrix V. C is unitary for every V, so that the spectrum
-/// obeys e^{−∫γ} to round-off for every step and every outcome of the noise.
+/// Schemes W⁺ = CWC* between two halves of exact damping, with a map C = D⁻¹D* of a Hermitian
+/// matrix V. C is unitary for every V, so that the spectrum obeys e^{−∫γ} to round-off for every
+/// step and every outcome of the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// `sexp-li` for matrices: V = τ∇H₀(M) + ΣLₘΔWₘ at M = W − ½i\[V₀, W\], where V₀ is V at W.
+    /// `sexp-li` for matrices: V = τ∇H₀(M) + ΣLₘΔWₘ at M = W − ½i\[V₀, W\], where V₀ is V at W,
+    /// and D = 1 + ½iV − V²/12 of Padé's approximation of e^{−iV}, whose phases are right to
+    /// ‖V‖⁵/720. (Those of Cayley's map, to ‖V‖³/12, limit steps of fluids, where ‖V‖ grows with N.)
     /// Strong order ½, one for commuting noises, weak order one; order two without noise.
-    Cayley,
+    Explicit,
     /// `midpoint`, the isospectral one (Modin and Viviani 2020; Ephrati, Jansson, Luesink and Modin
-    /// 2024): V at the M that solves M = ¼(1 + C)W(1 + C)*. Orders as above; symplectic on orbits.
-    /// A path fails where the fixed-point iteration does not converge.
+    /// 2024): Cayley's map, D = 1 + ½iV, of V at the M that solves M = ¼(1 + C)W(1 + C)*. Orders as
+    /// above; symplectic on orbits. A path fails where the fixed-point iteration does not converge.
     Midpoint,
 }
 
@@ -52,7 +54,7 @@ const ROUND_OFF: f64 = 1e-12;
 impl Method for OnMatrices<'_> {
     fn about(&self) -> About {
         About::new(match self.scheme {
-            Scheme::Cayley => "sexp-li",
+            Scheme::Explicit => "sexp-li",
             Scheme::Midpoint => "midpoint",
         })
     }
@@ -172,7 +174,7 @@ impl<'a> Worker<'a> {
             outcome = 'solved: {
                 for iterations in 1..=ITERATIONS {
                     generator(m, v);
-                    turn(n, (v, w), true, other, &mut self.one, &mut self.equations);
+                    turn(n, (v, w), Map::Half, other, &mut self.one, &mut self.equations);
                     let pairs = m.iter().zip(&*other);
                     let change = pairs.map(|(a, b)| (a - b).norm_sqr()).sum::<f64>().sqrt();
                     std::mem::swap(m, other);
@@ -186,29 +188,41 @@ impl<'a> Worker<'a> {
             };
         }
         generator(m, v);
-        turn(n, (v, w), false, m, &mut self.one, &mut self.equations);
+        let map = if self.scheme == Scheme::Explicit { Map::Pade } else { Map::Cayley };
+        turn(n, (v, w), map, m, &mut self.one, &mut self.equations);
         outcome
     }
 }
 
-/// CWC* of each site, or ¼(1 + C)W(1 + C)* if `half`.
+/// Maps of V: Padé's and Cayley's, and ½(1 + C) of Cayley's.
+#[derive(Clone, Copy, PartialEq)]
+enum Map {
+    Pade,
+    Cayley,
+    Half,
+}
+
+/// CWC* of each site with a map C of V.
 fn turn(
     n: usize,
     (v, w): (&[c64], &[c64]),
-    half: bool,
+    map: Map,
     out: &mut [c64],
-    [a, c, memory]: &mut [Vec<c64>; 3],
+    [d, c, memory]: &mut [Vec<c64>; 3],
     equations: &mut Equations,
 ) {
     let sites = v.chunks_exact(n * n).zip(w.chunks_exact(n * n));
     for ((v, w), out) in sites.zip(out.chunks_exact_mut(n * n)) {
-        // a = 1 + ½iV, and c = a*, or one.
-        for (k, ((a, c), v)) in a.iter_mut().zip(&mut *c).zip(v).enumerate() {
-            let one = if k % (n + 1) == 0 { 1.0 } else { 0.0 };
-            *a = c64::new(one - 0.5 * v.im, 0.5 * v.re);
-            *c = if half { c64::new(one, 0.0) } else { c64::new(one + 0.5 * v.im, -0.5 * v.re) };
+        if map == Map::Pade {
+            product(n, v, v, false, memory);
         }
-        equations.solve(a, c);
+        for (k, ((d, c), v)) in d.iter_mut().zip(&mut *c).zip(v).enumerate() {
+            let one = c64::new(f64::from(u8::from(k % (n + 1) == 0)), 0.0);
+            let even = if map == Map::Pade { one - memory[k] / 12.0 } else { one };
+            let odd = c64::new(-0.5 * v.im, 0.5 * v.re);
+            (*d, *c) = (even + odd, if map == Map::Half { one } else { even - odd });
+        }
+        equations.solve(d, c);
         product(n, c, w, false, memory);
         product(n, memory, c, true, out);
     }

@@ -15,6 +15,7 @@ mod hostile;
 mod initial;
 mod ito;
 mod kept;
+mod matrices;
 mod parts;
 mod promised;
 mod resolution;

@@ -38,7 +38,7 @@ fn fluid(n: usize) -> (Arc<Sphere>, Vec<c64>, f64) {
 fn spectra_are_kept_at_any_step_and_damped_exactly() {
     for (n, steps) in [(5, 1000), (16, 300), (40, 20)] {
         let (system, w, tau) = fluid(n);
-        for scheme in [Scheme::Cayley, Scheme::Midpoint] {
+        for scheme in [Scheme::Explicit, Scheme::Midpoint] {
             let still = problem(&system, &w, 0.0, 1.0);
             let end = matrix(n, &after(&setup(&still, &system, scheme), steps, tau, 1), 0);
             // Some rounding errors in a step, of kε for tr Wᵏ, as a random walk.
@@ -60,7 +60,7 @@ fn spectra_are_kept_over_many_steps() {
     for n in [16, 64, 128] {
         let (system, w, tau) = fluid(n);
         let still = problem(&system, &w, 0.0, 1.0);
-        let end = matrix(n, &after(&setup(&still, &system, Scheme::Cayley), 100_000, tau, 1), 0);
+        let end = matrix(n, &after(&setup(&still, &system, Scheme::Explicit), 100_000, tau, 1), 0);
         println!("{n}: {:e}", change(&w, &end, n, 8));
         assert!(change(&w, &end, n, 8) < 1e-12, "{n}");
     }
@@ -119,7 +119,7 @@ fn other_schemes_lose_what_is_kept() {
 fn bits_are_the_same_for_any_number_of_threads() {
     let (system, w, tau) = fluid(33);
     let problem = problem(&system, &w, 0.1, 1.0);
-    let setup = setup(&problem, &system, Scheme::Cayley);
+    let setup = setup(&problem, &system, Scheme::Explicit);
     let run = |threads: usize, live: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| after(&setup, 4, tau, live))
@@ -149,7 +149,7 @@ fn means_of_steps_are_those_of_lindblad() {
         let (turn, mix) = (commutator(&hamiltonian, w), commutator(&noise, &commutator(&noise, w)));
         turn.iter().zip(mix).map(|(a, b)| c64::new(0.0, -1.0) * a - b * 0.5).collect()
     };
-    for scheme in [Scheme::Cayley, Scheme::Midpoint] {
+    for scheme in [Scheme::Explicit, Scheme::Midpoint] {
         let setup = setup(&still, &system, scheme);
         let error = |tau: f64| {
             let mut paths = setup.scheme.start(&setup.start());

@@ -43,14 +43,17 @@ impl Model for OfMatrices {
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let scheme = match scheme {
-            BuiltIn::SexpLi => Scheme::Cayley,
+            BuiltIn::SexpLi => Scheme::Explicit,
             BuiltIn::Midpoint => Scheme::Midpoint,
             BuiltIn::EulerMaruyama | BuiltIn::Heun => {
                 let scheme = scheme.at_run_time(self.problem.system())?;
                 return Ok(Setup::at_run_time(&self.problem, scheme)?.scheme);
             }
             other => {
-                let why = "take sexp-li or midpoint, which keep spectra, or em or heun";
+                let why = match other {
+                    BuiltIn::Split | BuiltIn::Nv => "it needs a sum of parts with flows",
+                    _ => "take sexp-li or midpoint, which keep spectra, or em or heun",
+                };
                 return Err(SchemeError::not_for(other.id(), self.system.name(), why));
             }
         };

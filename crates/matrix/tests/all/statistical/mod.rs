@@ -45,7 +45,7 @@ fn orders_are_those_of_the_noises() {
     for (system, known) in [(both, 0.5), (one, 1.0)] {
         let system = Arc::new(system);
         let problem = problem(&system, &generic(2, 30), 0.2, 1.0);
-        for scheme in [Scheme::Cayley, Scheme::Midpoint] {
+        for scheme in [Scheme::Explicit, Scheme::Midpoint] {
             let sizes = StepSizes::new(16, Truncation::none(), key(1)).within(2_000_000);
             let order = strong_order(&setup(&problem, &system, scheme), &sizes).unwrap();
             assert_eq!(order.order(), Some(known), "{scheme:?} {order}");
@@ -66,7 +66,7 @@ fn energies_decay_by_known_rates() {
             fluid.harmonics().add(&mut w, 1, 0, 1.0);
             let problem = problem(&fluid, &w, 0.0, 1.0);
             let settings = ExpectSettings { key: key(2), ..ExpectSettings::default() };
-            let expect = Expect::with_scheme(setup(&problem, &fluid, Scheme::Cayley));
+            let expect = Expect::with_scheme(setup(&problem, &fluid, Scheme::Explicit));
             let found = expect.with(settings).run(&[&Energy(fluid)], 1e-3).unwrap();
             let (lo, hi) = found.estimates[0].interval();
             (0.5 * (lo + hi), 0.5 * (hi - lo))
@@ -91,7 +91,7 @@ fn spins_come_to_their_temperature() {
         (0..levels * levels).for_each(|at| w[at] = c64::new(1.0 / levels as f64, 0.0));
         let problem = problem(&spins, &w, 0.0, 4.0);
         let settings = EquilibriumSettings { key: key(3), ..EquilibriumSettings::new(40) };
-        let equilibrium = Equilibrium::new(setup(&problem, &spins, Scheme::Cayley), settings);
+        let equilibrium = Equilibrium::new(setup(&problem, &spins, Scheme::Explicit), settings);
         let found = equilibrium.run(&[&Energy(spins)], 0.01).unwrap();
         let (lo, hi) = found.means[0].interval();
         (0.5 * (lo + hi), 0.5 * (hi - lo))
