@@ -46,7 +46,7 @@ fn orders_are_those_of_the_noises() {
         let system = Arc::new(system);
         let problem = problem(&system, &generic(2, 30), 0.2, 1.0);
         for scheme in [Scheme::Explicit, Scheme::Midpoint] {
-            let sizes = StepSizes::new(16, Truncation::none(), key(1)).within(2_000_000);
+            let sizes = StepSizes::new(16, Truncation::none(), key(1)).within(700_000);
             let order = strong_order(&setup(&problem, &system, scheme), &sizes).unwrap();
             assert_eq!(order.order(), Some(known), "{scheme:?} {order}");
         }
