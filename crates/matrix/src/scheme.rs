@@ -21,8 +21,9 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// `sexp-li` for matrices: V = τ∇H₀(M) + ΣLₘΔWₘ at M = W − ½i\[V₀, W\], where V₀ is V at W,
-    /// and D = 1 + ½iV − V²/12 of Padé's approximation of e^{−iV}, whose phases are right to
-    /// ‖V‖⁵/720. (Those of Cayley's map, to ‖V‖³/12, limit steps of fluids, where ‖V‖ grows with N.)
+    /// and D = 1 + i(V/2 − V³/120) − V²/10 of Padé's approximation of e^{−iV}, whose phases are right
+    /// to ‖V‖⁷/100800. (Those of Cayley's map, to ‖V‖³/12, limit steps of fluids, where ‖V‖ grows
+    /// with N.)
     /// Strong order ½, one for commuting noises, weak order one; order two without noise.
     Explicit,
     /// `midpoint`, the isospectral one (Modin and Viviani 2020; Ephrati, Jansson, Luesink and Modin
@@ -215,11 +216,15 @@ fn turn(
     for ((v, w), out) in sites.zip(out.chunks_exact_mut(n * n)) {
         if map == Map::Pade {
             product(n, v, v, false, memory);
+            product(n, v, memory, false, out);
         }
         for (k, ((d, c), v)) in d.iter_mut().zip(&mut *c).zip(v).enumerate() {
             let one = c64::new(f64::from(u8::from(k % (n + 1) == 0)), 0.0);
-            let even = if map == Map::Pade { one - memory[k] / 12.0 } else { one };
-            let odd = c64::new(-0.5 * v.im, 0.5 * v.re);
+            let (even, half) = match map {
+                Map::Pade => (one - memory[k] / 10.0, *v * 0.5 - out[k] / 120.0),
+                _ => (one, *v * 0.5),
+            };
+            let odd = c64::new(-half.im, half.re);
             (*d, *c) = (even + odd, if map == Map::Half { one } else { even - odd });
         }
         equations.solve(d, c);
