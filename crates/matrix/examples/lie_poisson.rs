@@ -147,7 +147,7 @@ fn judge(name: &str, system: Arc<dyn MatrixSystem>, w: &[c64]) -> Result<(), Box
     }
     let key = StreamKey { seed: 1, experiment: 64 };
     for (id, setup) in all {
-        let sizes = StepSizes::new(16, Truncation::none(), key).within(4_000_000);
+        let sizes = StepSizes::new(16, Truncation::none(), key).within(1_000_000);
         let order = strong_order(&setup, &sizes)?;
         let mut simulation = Simulation::new(setup, Truncation::none());
         simulation.components = (0..w.len()).map(|i| format!("y{}", i + 1)).collect();

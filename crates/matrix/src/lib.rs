@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use matrix::{InCoordinates, OnMatrices, Scheme, Sphere, Stirring, setup};
+//! use matrix::{InCoordinates, Scheme, Sphere, Stirring, setup};
 //! use mc::Simulation;
 //! use noise::{StreamKey, Truncation};
 //! use systems::{Constant, run_time::Problem};
