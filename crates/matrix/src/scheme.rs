@@ -21,9 +21,9 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// `sexp-li` for matrices: V = τ∇H₀(M) + ΣLₘΔWₘ at M = W − ½i\[V₀, W\], where V₀ is V at W,
-    /// and D = 1 + i(V/2 − V³/120) − V²/10 of Padé's approximation of e^{−iV}, whose phases are right
-    /// to ‖V‖⁷/100800. (Those of Cayley's map, to ‖V‖³/12, limit steps of fluids, where ‖V‖ grows
-    /// with N.)
+    /// and D = 1 + i(V/2 − V³/120) − V²/10 of Padé's approximation of e^{−iV}, whose phases are
+    /// right to ‖V‖⁷/100800. (Those of Cayley's map, to ‖V‖³/12, limit steps of fluids, where ‖V‖
+    /// grows with N.)
     /// Strong order ½, one for commuting noises, weak order one; order two without noise.
     Explicit,
     /// `midpoint`, the isospectral one (Modin and Viviani 2020; Ephrati, Jansson, Luesink and Modin

@@ -3,8 +3,8 @@
 //! [`convergence`] draws series of errors against the step size, [`side_by_side`] any curves in
 //! logarithmic coordinates; [`evolution`] an invariant along a path; [`bands`] and [`histogram`]
 //! the law of a quantity, [`against`] and [`multiples`] how it depends on a parameter, [`picture`]
-//! and [`strip`] numbers as colours, [`maps`] functions on a sphere, [`lines()`] any curves in plain
-//! coordinates.
+//! and [`strip`] numbers as colours, [`maps`] functions on a sphere, [`lines()`] any curves in
+//! plain coordinates.
 
 mod axis;
 mod canvas;
