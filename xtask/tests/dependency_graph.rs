@@ -19,6 +19,7 @@ schemes: real systems dgrad nonlin noise
 kernels: schemes systems
 stats: real
 mc: stats real schemes systems noise nonlin
+matrix: mc schemes systems nonlin dgrad noise real
 study: mc stats noise real
 expectation: mc schemes systems nonlin stats noise real
 fit: expectation mc systems stats noise real
@@ -28,7 +29,7 @@ analysis: inspect mc stats formula schemes systems nonlin noise real
 plot: stats real
 casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
     nonlin dgrad noise real
-scenes: casimir kernels
+scenes: casimir kernels matrix
 verbs: scenes fit casimir
 cli: verbs scenes casimir
 verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real

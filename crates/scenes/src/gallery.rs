@@ -41,6 +41,9 @@ gallery! {
     "toda"
     "point-vortices"
     "vortex-ring"
+    "stirred-sphere"
+    "spin-one"
+    "dephasing"
 }
 
 /// The text of a scene.

@@ -332,7 +332,9 @@ impl Scene {
 
     /// The problem with its initial values.
     pub fn problem(&self) -> Problem<'_> {
-        Problem { initial: self.settings.random.clone(), ..self.model.problem() }
+        let problem = self.model.problem();
+        let initial = problem.initial.clone().or_else(|| self.settings.random.clone());
+        Problem { initial, ..problem }
     }
 
     /// An error about the steps.

@@ -16,6 +16,7 @@ mod hostile;
 mod initial;
 mod ito;
 mod kept;
+mod matrices;
 mod parts;
 mod promised;
 mod resolution;

@@ -3,7 +3,8 @@
 //! [`convergence`] draws series of errors against the step size, [`side_by_side`] any curves in
 //! logarithmic coordinates; [`evolution`] an invariant along a path; [`bands`] and [`histogram`]
 //! the law of a quantity, [`against`] and [`multiples`] how it depends on a parameter, [`picture`]
-//! and [`strip`] numbers as colours, [`lines()`] any curves in plain coordinates.
+//! and [`strip`] numbers as colours, [`maps`] functions on a sphere, [`lines()`] any curves in
+//! plain coordinates.
 
 mod axis;
 mod canvas;
@@ -12,6 +13,7 @@ mod chart;
 mod convergence;
 mod evolution;
 mod frame;
+mod globe;
 mod law;
 mod legend;
 mod lines;
@@ -24,6 +26,7 @@ pub use chart::{Curve, Measured, Plot, side_by_side};
 pub use convergence::convergence;
 pub use evolution::evolution;
 pub use frame::Title;
+pub use globe::{Projection, maps};
 pub use law::{Bins, Law, bands, fitted, histogram, multiples};
 pub use lines::{Trace, lines};
 pub use sweep::{Sampled, against};

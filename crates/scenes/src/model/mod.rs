@@ -5,6 +5,7 @@ mod bath;
 mod damping;
 mod formulas;
 mod lattice;
+mod matrices;
 mod project;
 
 use std::sync::{Arc, OnceLock};
@@ -25,6 +26,8 @@ use casimir::{
 };
 
 use crate::{Further, Observable, Read, Reading};
+
+pub use matrix::Grid;
 
 pub use project::PROJECT;
 
@@ -122,6 +125,11 @@ pub trait Model: Send + Sync {
     /// Facts about the system that a run needs; empty for a system of the project.
     fn known(&self) -> Known {
         Known::default()
+    }
+
+    /// Values of the vorticity of a state on a grid of the sphere, of a fluid there.
+    fn vorticity(&self, _state: &[f64], _grid: &Grid) -> Option<Vec<f64>> {
+        None
     }
 
     /// The rate of the fastest motion at the initial value, in radians per time; zero if it is not

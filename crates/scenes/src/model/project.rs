@@ -16,14 +16,14 @@ use casimir::{
 
 use kernels::Tuned;
 
-use super::{Built, Model, damping::damping, lattice};
+use super::{Built, Model, damping::damping, lattice, matrices};
 use crate::{At, Further, Quantity, Read, Reading, among, place, refuse};
 
 /// A function that builds the model of a system.
 type Build = fn(&Reading<'_>) -> Read<Built>;
 
 /// Name, parameters with their defaults, description and model of every system.
-pub const PROJECT: [(&str, &str, &str, Build); 6] = [
+pub const PROJECT: [(&str, &str, &str, Build); 9] = [
     ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
         built(reading, with_c(reading, Pendulum::new)?)
     }),
@@ -49,6 +49,14 @@ pub const PROJECT: [(&str, &str, &str, Build); 6] = [
         "classical spins on a chain, a square or a cubic lattice",
         lattice::build,
     ),
+    ("sphere-euler", matrices::FLUID, "Euler's equations on a sphere by matrices", matrices::fluid),
+    ("su-spins", matrices::SPINS, "spins with N levels on a lattice", matrices::spins),
+    (
+        "quantum",
+        matrices::QUANTUM,
+        "a density matrix with a Hamiltonian and Hermitian operators of noises",
+        matrices::quantum,
+    ),
 ];
 
 /// Builds the model of a system of the project.
@@ -63,9 +71,10 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
         ("drift", place(&table.drift)),
         ("noise", table.noise.iter().flatten().next().map(At::span)),
     ];
-    let is_lattice = name.as_str() == "spin-lattice";
-    if let Some(bath) = reading.file.bath.first().filter(|_| !is_lattice) {
-        refuse!(&bath.temperature, "a bath is for formulas, and for `spin-lattice`");
+    let has_bath = ["spin-lattice", "su-spins"].contains(&name.as_str());
+    if let Some(bath) = reading.file.bath.first().filter(|_| !has_bath) {
+        let words = "a bath is for formulas, and for `spin-lattice` and `su-spins`";
+        refuse!(&bath.temperature, "{words}");
     }
     if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         refuse!(place, "`{key}` is for formulas: remove it, or `name = \"{}\"`", **name);

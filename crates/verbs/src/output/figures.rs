@@ -7,7 +7,7 @@ use casimir::{
     mc::{Role, TimeSeries, parts::hash},
     plot::{
         self,
-        figure::{Trace, bands, evolution, lines, picture, strip},
+        figure::{Projection, Trace, bands, evolution, lines, maps, picture, strip},
     },
     stats::Point,
     study::{Joint, Kind, Series, StudyResult},
@@ -15,7 +15,7 @@ use casimir::{
 
 use super::page::TABLE;
 use crate::Results;
-use scenes::{self, MAX_COMPONENTS, Scene, digits};
+use scenes::{self, MAX_COMPONENTS, Scene, digits, model::Grid};
 
 /// A drawing with its file and the words below it.
 pub struct Figure {
@@ -68,6 +68,8 @@ const SHOWN_PATHS: usize = 4;
 const SHOWN_LAWS: usize = 6;
 /// Pictures of a lattice.
 const PICTURES: usize = 6;
+/// Latitudes of a map of the sphere.
+const LATITUDES: usize = 48;
 /// Phase portraits in a report.
 const PORTRAITS: usize = 3;
 
@@ -90,6 +92,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
     };
     sections.push(("Phase portraits", portraits(scene, results)));
     sections.push(("The lattice", lattice(scene, results).into_iter().collect()));
+    sections.push(("The sphere", sphere(scene, results)));
     sections.push(("Conserved but for the damping", laws(results)));
     sections.retain(|(title, figures)| !figures.is_empty() || *title == TABLE);
     sections
@@ -215,6 +218,34 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Figure> {
     };
     let caption = format!("z components of the spins of path 0 {what}: blue is up, red is down.");
     Some(Figure::new("lattice", svg, caption))
+}
+
+/// The vorticity of path 0 at several times, in two projections; none of other systems.
+fn sphere(scene: &Scene, results: &Results) -> Vec<Figure> {
+    let Some(table) = results.tables.first() else { return Vec::new() };
+    let times = table.times();
+    let Some(last) = times.len().checked_sub(1) else { return Vec::new() };
+    let columns = scene.components.iter().map(|name| table.column(name));
+    let Some(columns) = columns.collect::<Option<Vec<_>>>() else { return Vec::new() };
+    let drawn = |(name, words, projection): (&str, &str, Projection)| {
+        let grid = Grid { sines: projection.sines(LATITUDES), longitudes: 2 * LATITUDES };
+        let map = |k: usize| {
+            let at = k * last / (PICTURES - 1);
+            let state: Vec<f64> = columns.iter().map(|column| column[at]).collect();
+            Some((format!("t = {}", digits(times[at])), scene.model.vorticity(&state, &grid)?))
+        };
+        let all = (0..PICTURES).map(map).collect::<Option<Vec<_>>>()?;
+        let caption = format!(
+            "Vorticity of path 0 at several times, {words}: blue turns eastward, red westward."
+        );
+        let svg = maps("vorticity", projection, grid.longitudes, &all);
+        Some(Figure::new(name, svg, caption))
+    };
+    let projections = [
+        ("mollweide", "areas as they are (Mollweide)", Projection::Mollweide),
+        ("vorticity", "latitude and longitude", Projection::Equirectangular),
+    ];
+    projections.into_iter().filter_map(drawn).collect()
 }
 
 /// Casimirs and energies with their conformal law and the defect from it.
