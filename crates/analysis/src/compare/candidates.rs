@@ -65,14 +65,16 @@ impl<'a> Candidates<'a> {
     ///
     /// The reference is [`SexpLevy`](schemes::SexpLevy); without areas it is
     /// [`Sexp`](schemes::Sexp), which is of strong order ½ as all other schemes are, and needs many
-    /// steps for an error that is small beside theirs.
+    /// steps for an error that is small beside theirs; on matrices [`SexpLi`](schemes::SexpLi).
     ///
     /// # Errors
     /// Those of [`Sexp`](schemes::Sexp).
     pub fn built_in(
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
-        let mut all = Self::against(bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp))?);
+        let reference = bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp));
+        let explicit = |error| bind(BuiltIn::SexpLi).map_err(|_| error);
+        let mut all = Self::against(reference.or_else(explicit)?);
         for id in BuiltIn::ALL {
             match bind(id) {
                 // The same without areas is there already.
