@@ -57,10 +57,10 @@ fn spectra_are_kept_at_any_step_and_damped_exactly() {
 #[test]
 #[ignore = "minutes"]
 fn spectra_are_kept_over_many_steps() {
-    for n in [16, 64, 128] {
+    for (n, steps) in [(16, 100_000), (64, 100_000), (128, 4000)] {
         let (system, w, tau) = fluid(n);
         let still = problem(&system, &w, 0.0, 1.0);
-        let end = matrix(n, &after(&setup(&still, &system, Scheme::Explicit), 100_000, tau, 1), 0);
+        let end = matrix(n, &after(&setup(&still, &system, Scheme::Explicit), steps, tau, 1), 0);
         println!("{n}: {:e}", change(&w, &end, n, 8));
         assert!(change(&w, &end, n, 8) < 1e-12, "{n}");
     }

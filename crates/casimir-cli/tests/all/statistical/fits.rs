@@ -76,9 +76,9 @@ fn intervals_of_an_oscillator_cover_on_200_data_sets() {
 
 #[test]
 #[ignore = "minutes"]
-fn intervals_of_a_rigid_body_cover_on_200_data_sets() {
+fn intervals_of_a_rigid_body_cover_on_32_data_sets() {
     let start = scene(&BODY.replace("I1 = 2, s = 1", "I1 = 1.7, s = 0.8"));
-    cover(&start, &[("I1", 2.0), ("s", 1.0)], (200, 23), &samples_of_body);
+    cover(&start, &[("I1", 2.0), ("s", 1.0)], (32, 7), &samples_of_body);
 }
 
 /// Paths of a rigid body by Heun's scheme in many steps; each is observed once.
