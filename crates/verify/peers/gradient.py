@@ -59,7 +59,7 @@ def value(theta, key, solver, steps):
     def noise(t, y, _):
         return jnp.stack([turn(y, y * e / theta[3:6]) for e in jnp.eye(3)], axis=1)
 
-    path = dx.UnsafeBrownianPath((3,), key, levy_area=dx.SpaceTimeLevyArea)
+    path = dx.VirtualBrownianTree(0, 1, 0.5 / steps, (3,), key, dx.SpaceTimeLevyArea)
     terms = dx.MultiTerm(dx.ODETerm(drift), dx.ControlTerm(noise, path))
     y0 = jnp.array([jnp.cos(1.1), 0, jnp.sin(1.1)])
     found = dx.diffeqsolve(terms, solver, 0, 1, 1 / steps, y0, max_steps=steps,
