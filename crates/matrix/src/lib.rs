@@ -34,13 +34,15 @@
 //! | [`Scheme`], [`OnMatrices`], [`setup`] | schemes that keep the spectrum |
 //! | [`Sphere`], [`Stirring`], [`Harmonics`], [`Grid`] | fluids on a sphere |
 //! | [`SuSpins`] | spins with N levels on a lattice, with a heat bath |
-//! | [`Quantum`] | quantum systems with classical noise |
+//! | [`Quantum`], [`pure`] | quantum systems with classical noise |
+//! | [`Function`] | functions of matrices, such as energies |
 //!
 //! A state has N² real components for each matrix, for which ‖W‖² is the Euclidean one:
 //! [`coordinates`]. Every driver and statistic takes it, and so do schemes for any system, such as
 //! `heun`, which keep no spectrum.
 
 mod dense;
+mod functions;
 mod quantum;
 mod scheme;
 mod sphere;
@@ -53,12 +55,13 @@ use mc::{Problem, Setup};
 use systems::run_time;
 
 pub use faer::c64;
+pub use functions::Function;
 pub use quantum::Quantum;
 pub use scheme::{OnMatrices, Scheme};
 pub use sphere::{Grid, Harmonics, Sphere, Stirring, bracket_scale, gauss};
 pub use spins::{SpinCouplings, SuSpins};
 pub use system::{
-    InCoordinates, MatrixSystem, bracket, coordinates, dimension, inner, matrices, traces,
+    InCoordinates, MatrixSystem, bracket, coordinates, dimension, inner, matrices, pure, traces,
 };
 
 /// A problem of a system in coordinates, with a scheme on its matrices.

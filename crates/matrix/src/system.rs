@@ -50,7 +50,7 @@ pub trait MatrixSystem: Send + Sync {
     /// Writes V = ∇H₀(W)dt + ΣLₘdwₘ.
     fn generator(&self, w: &[c64], dt: f64, dw: &[f64], v: &mut [c64]);
 
-    /// H₀(W).
+    /// H₀(W), of which [`generator`](Self::generator) has the gradient.
     fn energy(&self, w: &[c64]) -> f64;
 }
 
@@ -90,6 +90,12 @@ pub fn coordinates(n: usize, w: &[c64], mut write: impl FnMut(usize, f64)) {
             }
         }
     }
+}
+
+/// Adds ψψ*/|ψ|² of real amplitudes ψ to matrices.
+pub fn pure(psi: &[f64], w: &mut Vec<c64>) {
+    let (n, norm) = (psi.len(), psi.iter().map(|x| x * x).sum::<f64>());
+    w.extend((0..n * n).map(|at| c64::new(psi[at % n] * psi[at / n] / norm, 0.0)));
 }
 
 /// Writes −i\[V, W\] for Hermitian matrices of all sites; `memory` has N² numbers.

@@ -5,6 +5,7 @@ use std::time::Instant;
 use casimir::{
     expectation::{self, Estimate, ExpectSettings, WarningKind},
     mc::Observe,
+    real::elementary::ln,
     schemes::BuiltIn,
 };
 use schemars::JsonSchema;
@@ -147,7 +148,7 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
         {
             let growth = (distance / half).powi(2);
             if growth > GROWTH && growth.is_finite() {
-                let rate = growth.ln() / until;
+                let rate = ln(growth) / until;
                 return Err(refused(
                     scene,
                     format!(

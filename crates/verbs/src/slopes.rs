@@ -2,7 +2,7 @@
 
 use casimir::{
     mc::Observe,
-    real::{PathMask, Row, Rows, WIDTH},
+    real::{PathMask, Row, Rows, WIDTH, elementary::sin},
     stationary::Slope,
     systems::run_time::{Op, Weights},
 };
@@ -13,7 +13,7 @@ use scenes::{Changed, Nearby, Observable, Scene};
 /// Change of a parameter over its size.
 const CHANGE: f64 = 1e-6;
 
-/// Scenes near one, with parameters changed by a part of them.
+/// Scenes near one, with parameters changed by 10⁻⁶ of them.
 pub fn nearby(scene: &Scene) -> Done<Nearby> {
     let none = vec![CHANGE; scene.gradient.len()];
     let sizes = scene.nearby(&none)?.changed.into_iter().map(|changed| changed.value.abs());
@@ -22,8 +22,12 @@ pub fn nearby(scene: &Scene) -> Done<Nearby> {
     Ok(scene.nearby(&changes)?)
 }
 
-/// The parameters by which averages of test functions are differentiated: numbers `of` the
-/// observables of a scene that are averaged.
+/// The parameters by which averages are differentiated; `averaged` gives the test functions of a
+/// scene.
+///
+/// # Errors
+/// The reason why an average has no derivative: no e^{−βH₀} is known to be stationary, or θ changes
+/// B or the initial value.
 pub fn slopes<'a>(
     Nearby { scene, changed }: &'a Nearby,
     averaged: fn(&Scene) -> Vec<&Observable>,
@@ -57,7 +61,7 @@ pub fn slopes<'a>(
 fn structure(scene: &Scene) -> Vec<Row> {
     let system = scene.model.system();
     let (d, description) = (scene.components.len(), system.description());
-    let row = |i: usize, p: usize| 1.0 + 0.3 * ((i * WIDTH + p) as f64).sin();
+    let row = |i: usize, p: usize| 1.0 + 0.3 * sin((i * WIDTH + p) as f64);
     let mut y = Rows::splat(&scene.problem().y0);
     let (mut v, mut out) = (Rows::zero(d), Rows::zero(d));
     for (i, p) in (0..d).flat_map(|i| (0..WIDTH).map(move |p| (i, p))) {

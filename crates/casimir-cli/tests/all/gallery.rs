@@ -42,9 +42,7 @@ fn every_scene_runs_and_has_expectations() {
         let file = format!("{name}.toml");
         fs::write(path.join(&file), &text).unwrap();
         let inspection = succeeds(path, &["inspect", &file]);
-        // A known fault, in docs/limits.md: this fails when it is mended.
-        let known = name == "stirred-sphere";
-        assert_eq!(inspection.contains("Mistakes\n"), known, "{name}: {inspection}");
+        assert!(!inspection.contains("Mistakes\n"), "{name}: {inspection}");
         let steps = (number(&text, "steps") / 8.0).floor().to_string();
         // Statistics of 4096 spins take a minute.
         let paths = if name == "quench" { "1" } else { "128" };

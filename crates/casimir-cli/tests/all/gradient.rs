@@ -47,6 +47,26 @@ fn derivatives_of_an_oscillator_are_exact() {
     are(&KUBO.replace("steps = 64", "steps = 64\nscheme = \"sexp\""), &exact);
 }
 
+/// On new noise the quotient is off by the sampling errors of both means over 2h.
+#[test]
+fn difference_quotients_agree_on_common_noise_alone() {
+    let loose = KUBO.replace("accuracy = 2e-4", "accuracy = 0.05").replace(", \"w\"]", "]");
+    let found = |scene: &str, seed: &str| {
+        json(with_scene(scene).path(), &["expect", "scene.toml", "--json", "--seed", seed])
+    };
+    let [value, half] = derivative(&found(&loose, "1"), "s", 0);
+    let without = loose.replace("gradient = [\"s\"]", "");
+    let mean = |s: &str, seed: &str| -> f64 {
+        let scene = without.replace("s = 0.5", &format!("s = {s}"));
+        found(&scene, seed)["estimates"][0]["value"].as_f64().unwrap()
+    };
+    let quotient = |seed: &str| (mean("0.501", seed) - mean("0.499", "1")) / 0.002;
+    assert!((quotient("1") - value).abs() < half, "{} {value} ± {half}", quotient("1"));
+    for seed in ["2", "3", "4"] {
+        assert!((quotient(seed) - value).abs() > 2.0 * half, "{} {value} ± {half}", quotient(seed));
+    }
+}
+
 /// Of friction on one component, of an initial value, of the noise, and of φ itself.
 #[test]
 fn rates_initial_values_and_functions_are_differentiated() {

@@ -37,8 +37,8 @@ impl Stirring {
 /// {v, ω}dt + Σσₘ{Yₘ, ω} ∘ dWₘ and {x, y} = z.
 ///
 /// W = Σω_lm T_lm has the coefficients of ω by real spherical harmonics, so that ‖W‖² is the
-/// enstrophy ∫ω² and H₀ = ½⟨W − F, (−Δ)⁻¹(W − F)⟩ the energy ½∫|u|². The bracket {f, g} is
-/// −is\[F, G\] with s = √(N(N² − 1)/16π).
+/// enstrophy ∫ω² and ½⟨W − F, (−Δ)⁻¹(W − F)⟩ the energy ½∫|u|². The bracket {f, g} is −is\[F, G\]
+/// with s = √(N(N² − 1)/16π); Hamiltonians have this factor, H₀ that of `advection` besides.
 pub struct Sphere {
     harmonics: Harmonics,
     n: usize,
@@ -130,6 +130,25 @@ impl Sphere {
         relative
     }
 
+    /// The relative vorticity of coefficients of harmonics (l, m), m from −l to l for l = 1, 2, …, as
+    /// W of the absolute one.
+    pub fn vorticity(&self, coefficients: &[f64]) -> Vec<c64> {
+        let mut w = vec![c64::ZERO; self.n * self.n];
+        add(self.n, &mut w, &self.planetary.1, 0, self.planetary.0);
+        let orders = (1..self.n).flat_map(|l| (-(l as isize)..=l as isize).map(move |m| (l, m)));
+        for ((l, m), x) in orders.zip(coefficients).filter(|(_, x)| **x != 0.0) {
+            self.harmonics.add(&mut w, l, m, *x);
+        }
+        w
+    }
+
+    /// The energy ½∫|u|².
+    pub fn kinetic_energy(&self, w: &[c64]) -> f64 {
+        let mut v = vec![c64::ZERO; w.len()];
+        self.stream(w, 1.0, &mut v);
+        0.5 * inner(&self.relative(w), &v)
+    }
+
     /// Writes V = a(−Δ)⁻¹(W − F), diagonal by diagonal.
     fn stream(&self, w: &[c64], a: f64, v: &mut [c64]) {
         let (n, harmonics) = (self.n, self.harmonics);
@@ -198,10 +217,7 @@ impl MatrixSystem for Sphere {
         }
     }
 
-    /// The energy ½∫|u|², with the factor of H₀; by it the bracket has no scale.
     fn energy(&self, w: &[c64]) -> f64 {
-        let mut v = vec![c64::ZERO; w.len()];
-        self.stream(w, 1.0, &mut v);
-        0.5 * inner(&self.relative(w), &v)
+        self.advection * self.kinetic_energy(w)
     }
 }

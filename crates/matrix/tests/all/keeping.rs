@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use matrix::{Quantum, Scheme, Sphere, Stirring, c64, inner, traces};
+use matrix::{
+    MatrixSystem, Quantum, Scheme, Sphere, SpinCouplings, Stirring, SuSpins, c64, inner, traces,
+};
 use mc::Setup;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{About, EulerMaruyama, Heun, Method, Step, Stepper};
-use systems::run_time;
+use systems::{lattice::Shape, run_time};
 
 use crate::{after, generic, matrix, problem, setup};
 
@@ -32,6 +34,37 @@ fn fluid(n: usize) -> (Arc<Sphere>, Vec<c64>, f64) {
     let scale = matrix::bracket_scale(n);
     let noise = [1, 2].into_iter().flat_map(|l| Stirring::isotropic(l, 0.5 / scale));
     (Arc::new(Sphere::new(n, 0.0, 10.0 / scale, noise).unwrap()), unit(generic(n, 7)), 0.1)
+}
+
+/// (H(W + U) − H(W − U))/2 is ⟨∇H₀(W), U⟩ to round-off for energies of degree two at most.
+#[track_caller]
+fn has_gradient(system: &dyn MatrixSystem) {
+    let (n, sites) = (system.size(), system.sites());
+    let generic = |seed: u64| -> Vec<c64> {
+        (0..sites).flat_map(|site| generic(n, seed + 100 * site as u64)).collect()
+    };
+    let (w, u) = (generic(1), generic(50));
+    let moved = |by: f64| w.iter().zip(&u).map(|(w, u)| *w + *u * by).collect::<Vec<_>>();
+    let [above, below] = [1.0, -1.0].map(|by| system.energy(&moved(by)));
+    let mut v = vec![c64::default(); w.len()];
+    system.generator(&w, 1.0, &vec![0.0; system.noises()], &mut v);
+    let (slope, size) = (inner(&v, &u), inner(&v, &v).sqrt() * inner(&u, &u).sqrt());
+    assert!((0.5 * (above - below) - slope).abs() < 1e-13 * (size + above.abs()), "{slope}");
+    assert!(slope.abs() > 1e-3 * size);
+}
+
+#[test]
+fn generators_are_gradients_of_energies() {
+    has_gradient(&Sphere::new(6, 0.7, 1.3, Stirring::isotropic(2, 0.5)).unwrap());
+    let couplings = SpinCouplings {
+        exchange: 0.8,
+        quadratic: 0.5,
+        quartic: -0.2,
+        field: [0.3, -0.4, 0.7],
+        bath: None,
+    };
+    has_gradient(&SuSpins::new(4, Shape::periodic(&[3, 2]).unwrap(), couplings).unwrap());
+    has_gradient(&Quantum::new(3, generic(3, 5), vec![generic(3, 9)]).unwrap());
 }
 
 #[test]

@@ -23,10 +23,9 @@ const SITE: f64 = 1.5e4;
 /// Relative tolerance for the lengths of spins.
 const ROUNDING: f64 = 1e-9;
 
-/// Builds the model of a lattice.
-pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    reading.know(&PARAMETERS.split(", ").collect::<Vec<_>>())?;
-    let sizes = reading.list("sizes", &[8.0])?;
+/// The sizes of a lattice, `default` if none are given, whose sites take so many bytes.
+pub fn shape(reading: &Reading<'_>, default: f64, bytes: f64) -> Read<(Vec<usize>, Shape)> {
+    let sizes = reading.list("sizes", &[default])?;
     if let Some(size) = sizes.iter().find(|n| n.fract() != 0.0 || !(1.0..=1e6).contains(*n)) {
         refuse!(reading.place("sizes"), "a size is a whole number of at least 1, got {size}");
     }
@@ -34,28 +33,49 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let shape = Shape::new(&sizes, reading.switch("periodic", false)?)
         .map_err(|error| reading.error("sizes", error))?;
     let sites = shape.sites();
-    demand(format!("a lattice of {sites} sites"), SITE * sites as f64)
+    demand(format!("a lattice of {sites} sites"), bytes * sites as f64)
         .map_err(|error| reading.error("sizes", error))?;
+    Ok((sizes, shape))
+}
+
+/// Damping α and temperature kT of the one bath of all spins of a lattice.
+pub fn bath(reading: &Reading<'_>) -> Read<Option<[f64; 2]>> {
+    let [BathTable { temperature, through, friction, transverse }, more @ ..] = &*reading.file.bath
+    else {
+        return Ok(None);
+    };
+    let alone = through.len() + friction.len() + more.len() == 0 && transverse.len() == 1;
+    let Some((_, alpha)) = transverse.first().filter(|(s, _)| alone && s.as_str() == "s") else {
+        refuse!(
+            temperature,
+            "a lattice has one bath, by transverse damping of all its spins: \
+             `transverse = {{ s = 0.1 }}`"
+        );
+    };
+    // The same at all times: t is no name here.
+    let [alpha, kt] = [reading.constants.value(alpha)?, reading.constants.value(temperature)?];
+    if kt < 0.0 || alpha <= 0.0 {
+        refuse!(
+            temperature,
+            "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and {alpha}"
+        );
+    }
+    Ok(Some([alpha, kt]))
+}
+
+/// Builds the model of a lattice.
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
+    reading.know(&PARAMETERS.split(", ").collect::<Vec<_>>())?;
+    let (sizes, shape) = shape(reading, 8.0, SITE)?;
+    let sites = shape.sites();
     let Settings { initial, until, .. } = reading.settings;
     let y0 = match initial[..] {
         [x, y, z] => [x, y, z].repeat(sites),
         ref all => all.to_vec(),
     };
     let local = reading.switch("local", true)?;
-    let (transverse, noise) = match &*reading.file.bath {
-        [] => (reading.number("transverse", 0.0)?, reading.number("noise", 0.0)?),
-        [BathTable { temperature, through, friction, transverse }, more @ ..] => {
-            let alone = through.len() + friction.len() + more.len() == 0;
-            let only = transverse
-                .first()
-                .filter(|(s, _)| alone && transverse.len() == 1 && s.as_str() == "s");
-            let Some((_, alpha)) = only else {
-                refuse!(
-                    temperature,
-                    "a lattice has one bath, by transverse damping of all its spins: \
-                     `transverse = {{ s = 0.1 }}`"
-                );
-            };
+    let (transverse, noise) = match (bath(reading)?, reading.file.bath.first()) {
+        (Some([transverse, kt]), Some(BathTable { temperature, .. })) => {
             if let Some(place) = reading.place("transverse").or(reading.place("noise")) {
                 refuse!(place, "damping and noise follow from the bath: leave this out");
             }
@@ -63,16 +83,6 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
                 refuse!(
                     temperature,
                     "a bath takes a noise for each spin, `local`, and no [damping]: give `noise`"
-                );
-            }
-            // The same at all times: t is no name here.
-            let number = |text| reading.constants.value(text);
-            let (kt, transverse) = (number(temperature)?, number(alpha)?);
-            if kt < 0.0 || transverse <= 0.0 {
-                refuse!(
-                    temperature,
-                    "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and \
-                     {transverse}"
                 );
             }
             // Of random initial values those of the first 32 paths are looked at.
@@ -96,6 +106,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             let length = if most == 0.0 || (most - 1.0).abs() < ROUNDING { 1.0 } else { most };
             (transverse, noise_at_temperature(transverse, kt / length))
         }
+        _ => (reading.number("transverse", 0.0)?, reading.number("noise", 0.0)?),
     };
     let couplings = Couplings {
         exchange: reading.number("exchange", 1.0)?,

@@ -5,27 +5,27 @@ use std::{ops::Range, sync::Arc};
 use casimir::{
     expectation::Expect,
     inspect::facts::Bath,
-    mc::{Friction, Initial, Problem, Setup},
+    mc::{Friction, Initial, Observe, Problem, Setup},
     noise::StreamKey,
-    real::{Row, WIDTH},
+    real::{PathMask, Row, WIDTH},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{
-        lattice::Shape,
-        run_time::{self, System},
-    },
+    systems::run_time::{self, System},
 };
 use matrix::{
-    Grid, InCoordinates, MatrixSystem, OnMatrices, Quantum, Scheme, Sphere, SpinCouplings,
-    Stirring, SuSpins, c64, coordinates, inner, matrices,
+    Function, Grid, InCoordinates, MatrixSystem, OnMatrices, Quantum, Scheme, Sphere,
+    SpinCouplings, Stirring, SuSpins, c64, coordinates, matrices, pure,
 };
 
-use super::{Built, Known, Model, damping::damping, project::numbered};
-use crate::{At, BathTable, Further, Observable, Parameter, Quantity, Read, Reading, refuse};
+use super::{Built, Known, Model, damping::damping, lattice, project::numbered};
+use crate::{At, Further, Observable, Parameter, Quantity, Read, Reading, refuse};
 
 /// The parameters of the systems.
 pub const FLUID: &str = "size = 16, rotation = 0, advection = 1, degrees, strengths, spectrum = 8";
 pub const SPINS: &str = "levels = 3, sizes = [1], periodic, exchange, quadratic, quartic, field";
 pub const QUANTUM: &str = "hamiltonian, noises";
+
+/// Bytes that a coordinate takes where it is simulated.
+const COORDINATE: f64 = 5e3;
 
 /// A problem of matrices.
 struct OfMatrices {
@@ -104,21 +104,6 @@ fn of_state(n: usize, y: impl Fn(usize) -> f64, dimension: usize) -> Vec<c64> {
     w
 }
 
-/// A function of matrices as a quantity.
-fn function(
-    n: usize,
-    dimension: usize,
-    of: impl Fn(&[c64]) -> f64 + Send + Sync + 'static,
-) -> Quantity {
-    Quantity::Function(Arc::new(move |y: &[Row], values: &mut Row| {
-        for p in 0..WIDTH {
-            // Paths that are equal to the first one are not computed again.
-            let like = p > 0 && y[..dimension].iter().all(|y| y[p].to_bits() == y[0].to_bits());
-            values[p] = if like { values[0] } else { of(&of_state(n, |i| y[i][p], dimension)) };
-        }
-    }))
-}
-
 /// Matrices that initial numbers stand for.
 type Start = dyn Fn(&[f64]) -> Vec<c64> + Send + Sync;
 
@@ -129,14 +114,13 @@ struct Parts {
     numbers: usize,
     equation: &'static str,
     components: Vec<String>,
-    energy: Quantity,
-    quantities: Vec<Observable>,
+    functions: Vec<Function>,
     fluid: Option<Arc<Sphere>>,
 }
 
 /// Joins a system with its initial value.
 fn built(reading: &Reading<'_>, system: Arc<dyn MatrixSystem>, parts: Parts) -> Read<Built> {
-    let Parts { start, numbers, equation, components, energy, quantities, fluid } = parts;
+    let Parts { start, numbers, equation, components, functions, fluid } = parts;
     let (n, settings) = (system.size(), reading.settings);
     let dimension = components.len();
     let state = move |given: &[f64]| {
@@ -171,11 +155,18 @@ fn built(reading: &Reading<'_>, system: Arc<dyn MatrixSystem>, parts: Parts) -> 
     let in_coordinates = Arc::new(InCoordinates::new(Arc::clone(&system)));
     let problem = run_time::Problem::new(in_coordinates, damping, y0, settings.until)
         .map_err(|error| reading.initial_error(error))?;
+    let quantity = |of: Function| {
+        let name = of.name().to_owned();
+        let of = move |y: &[Row], values: &mut Row| of.evaluate(y, PathMask::ALL, values);
+        Observable::new(name, Quantity::Function(Arc::new(of)))
+    };
+    let quantities: Vec<_> = functions.into_iter().map(quantity).collect();
+    let energy = quantities.iter().find(|of| of.name == "energy").expect("each system has one");
     Ok(Built {
         sizes: Vec::new(),
         names: numbered(&components),
         components,
-        energy: Further::Quantity(energy),
+        energy: Further::Quantity(energy.quantity.clone()),
         quantities,
         model: Box::new(OfMatrices { problem, system, initial, equation, fluid }),
     })
@@ -234,53 +225,24 @@ pub fn fluid(reading: &Reading<'_>) -> Read<Built> {
         )));
     }
     let dimension = n * n;
-    let quantity = |of: fn(&Sphere, &[c64]) -> f64| {
-        let fluid = Arc::clone(&fluid);
-        function(n, dimension, move |w| of(&fluid, w))
-    };
-    let energy = quantity(|fluid, w| fluid.energy(w));
-    let mut quantities = vec![
-        Observable::new("energy", energy.clone()),
-        Observable::new("enstrophy", quantity(|_, w| inner(w, w))),
-    ];
-    for l in 1..=whole(reading, "spectrum", 8.min(n - 1), 1..n)? {
-        let own = Arc::clone(&fluid);
-        let of = function(n, dimension, move |w| {
-            own.harmonics().power(&own.relative(w), l) / (2 * l * (l + 1)) as f64
-        });
-        quantities.push(Observable::new(format!("energy{l}"), of));
-    }
+    let most = whole(reading, "spectrum", 8.min(n - 1), 1..n)?;
     let own = Arc::clone(&fluid);
     let parts = Parts {
-        start: Box::new(move |given| {
-            let mut w = own.relative(&vec![c64::default(); n * n]);
-            w.iter_mut().for_each(|w| *w = -*w);
-            let orders = (1..n).flat_map(|l| (-(l as isize)..=l as isize).map(move |m| (l, m)));
-            for ((l, m), value) in orders.zip(given).filter(|(_, value)| **value != 0.0) {
-                own.harmonics().add(&mut w, l, m, *value);
-            }
-            w
-        }),
+        start: Box::new(move |given| own.vorticity(given)),
         numbers: 0,
         equation: "dω = {v, ω} dt + Σσₘ{Yₘ, ω} ∘ dWₘ − γω dt, v = (−Δ)⁻¹(ω − f), as matrices",
         components: (1..=dimension).map(|i| format!("y{i}")).collect(),
-        energy,
-        quantities,
+        functions: fluid.functions(most),
         fluid: Some(Arc::clone(&fluid)),
     };
     built(reading, fluid, parts)
 }
 
 /// ψψ* at each site, or at all if there is one ψ; of length one.
-fn pure(n: usize, sites: usize) -> Box<Start> {
+fn coherent(n: usize, sites: usize) -> Box<Start> {
     Box::new(move |given| {
         let mut w = Vec::with_capacity(sites * n * n);
-        for site in 0..sites {
-            let first = if given.len() == n { 0 } else { site * n };
-            let psi = &given[first..first + n];
-            let norm = psi.iter().map(|x| x * x).sum::<f64>();
-            w.extend((0..n * n).map(|at| c64::new(psi[at % n] * psi[at / n] / norm, 0.0)));
-        }
+        given.chunks(n).cycle().take(sites).for_each(|psi| pure(psi, &mut w));
         w
     })
 }
@@ -303,75 +265,31 @@ fn demand(reading: &Reading<'_>, n: usize, sites: usize) -> Read<()> {
     Ok(())
 }
 
-/// The mean population of each level over the sites.
-fn populations(n: usize, sites: usize) -> impl Iterator<Item = Observable> {
-    (0..n).map(move |j| {
-        let of =
-            move |w: &[c64]| w.chunks(n * n).map(|w| w[j * n + j].re).sum::<f64>() / sites as f64;
-        Observable::new(format!("p{}", j + 1), function(n, sites * n * n, of))
-    })
-}
-
 /// SU(N) spins on a lattice.
 pub fn spins(reading: &Reading<'_>) -> Read<Built> {
     reading.know(&names(SPINS))?;
     let n = whole(reading, "levels", 3, 2..17)?;
-    let sizes = reading.list("sizes", &[1.0])?;
-    if let Some(size) =
-        sizes.iter().find(|size| size.fract() != 0.0 || !(1.0..=1e4).contains(*size))
-    {
-        refuse!(reading.place("sizes"), "a size is a whole number of at least 1, got {size}");
-    }
-    let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-    let shape = Shape::new(&sizes, reading.switch("periodic", false)?)
-        .map_err(|error| reading.error("sizes", error))?;
-    let bath = match &*reading.file.bath {
-        [] => None,
-        [BathTable { temperature, through, friction, transverse }, more @ ..] => {
-            let others = through.len() + friction.len() + more.len() == 0;
-            let alpha = transverse.first().filter(|(s, _)| others && s.as_str() == "s");
-            let Some((_, alpha)) = alpha.filter(|_| transverse.len() == 1) else {
-                let words = "these spins have one bath of all sites: `transverse = { s = 0.1 }`";
-                refuse!(temperature, "{words}");
-            };
-            Some([reading.constants.value(alpha)?, reading.constants.value(temperature)?])
-        }
-    };
+    let (_, shape) = lattice::shape(reading, 1.0, COORDINATE * (n * n) as f64)?;
     let couplings = SpinCouplings {
         exchange: reading.number("exchange", 0.0)?,
         quadratic: reading.number("quadratic", 0.0)?,
         quartic: reading.number("quartic", 0.0)?,
         field: reading.three("field", [0.0; 3])?,
-        bath,
+        bath: lattice::bath(reading)?,
     };
     let sites = shape.sites();
-    let wrong = |error| match reading.file.bath.first() {
-        Some(bath) => crate::Wrong::new(&bath.temperature, error),
-        None => reading.error("levels", error),
-    };
-    let spins = Arc::new(SuSpins::new(n, shape, couplings).map_err(wrong)?);
+    let spins =
+        SuSpins::new(n, shape, couplings).map_err(|error| reading.error("levels", error))?;
+    let spins = Arc::new(spins);
     demand(reading, n, sites)?;
     let dimension = sites * n * n;
-    let own = Arc::clone(&spins);
-    let energy = function(n, dimension, move |w| own.energy(w) / sites as f64);
-    let mean = |axis: usize| {
-        let own = Arc::clone(&spins);
-        let of = move |w: &[c64]| {
-            (0..sites).map(|site| own.dipole(w, site)[axis]).sum::<f64>() / sites as f64
-        };
-        Observable::new(["mx", "my", "mz"][axis], function(n, dimension, of))
-    };
-    let mut quantities: Vec<Observable> = (0..3).map(mean).collect();
-    quantities.extend(populations(n, sites));
-    quantities.push(Observable::new("energy", energy.clone()));
     let component = |k: usize| format!("s{}_{}", k / (n * n) + 1, k % (n * n) + 1);
     let parts = Parts {
-        start: pure(n, sites),
+        start: coherent(n, sites),
         numbers: sites * n,
         equation: "dρᵢ = −i[∂H/∂ρᵢ, ρᵢ] dt + bath, H = Σ(D(Sz)² + K(Sz)⁴ − h·S) − JΣ Sᵢ·Sⱼ",
         components: (0..dimension).map(component).collect(),
-        energy,
-        quantities,
+        functions: spins.functions(),
         fluid: None,
     };
     built(reading, spins, parts)
@@ -395,24 +313,12 @@ pub fn quantum(reading: &Reading<'_>) -> Read<Built> {
         .map_err(|error| reading.error("hamiltonian", error))?;
     demand(reading, n, 1)?;
     let quantum = Arc::new(quantum);
-    let own = Arc::clone(&quantum);
-    let energy = function(n, n * n, move |w| own.energy(w));
-    let mut quantities: Vec<Observable> = populations(n, 1).collect();
-    quantities.push(Observable::new("energy", energy.clone()));
-    quantities.push(Observable::new("purity", function(n, n * n, |w| inner(w, w))));
-    for (k, j) in (0..n).flat_map(|k| (0..k).map(move |j| (k, j))) {
-        let entry = |part: fn(c64) -> f64| function(n, n * n, move |w| part(w[k * n + j]));
-        let (row, column) = (j + 1, k + 1);
-        quantities.push(Observable::new(format!("re{row}_{column}"), entry(|x| x.re)));
-        quantities.push(Observable::new(format!("im{row}_{column}"), entry(|x| x.im)));
-    }
     let parts = Parts {
-        start: pure(n, 1),
+        start: coherent(n, 1),
         numbers: n,
         equation: "dρ = −i[H, ρ] dt − iΣ[Lₘ, ρ] ∘ dWₘ",
         components: (1..=n * n).map(|i| format!("y{i}")).collect(),
-        energy,
-        quantities,
+        functions: quantum.functions(),
         fluid: None,
     };
     built(reading, quantum, parts)

@@ -5,31 +5,13 @@ use std::sync::Arc;
 use analysis::{StepSizes, strong_order};
 use expectation::{Expect, ExpectSettings};
 use matrix::{
-    MatrixSystem, Quantum, Scheme, Sphere, SpinCouplings, Stirring, SuSpins, c64, matrices,
+    Function, MatrixSystem, Quantum, Scheme, Sphere, SpinCouplings, Stirring, SuSpins, c64,
 };
-use mc::Observe;
 use noise::{StreamKey, Truncation};
-use real::{PathMask, Row};
 use stationary::{Equilibrium, EquilibriumSettings};
 use systems::lattice::Shape;
 
 use crate::{generic, problem, setup};
-
-/// The energy of a system.
-struct Energy<S>(Arc<S>);
-
-impl<S: MatrixSystem> Observe for Energy<S> {
-    fn name(&self) -> &str {
-        "energy"
-    }
-    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        let mut w = vec![c64::default(); y.len()];
-        for p in live.paths() {
-            matrices(self.0.size(), |i| y[i][p], &mut w);
-            values[p] = self.0.energy(&w);
-        }
-    }
-}
 
 fn key(seed: u64) -> StreamKey {
     StreamKey { seed, experiment: 64 }
@@ -67,7 +49,7 @@ fn energies_decay_by_known_rates() {
             let problem = problem(&fluid, &w, 0.0, 1.0);
             let settings = ExpectSettings { key: key(2), ..ExpectSettings::default() };
             let expect = Expect::with_scheme(setup(&problem, &fluid, Scheme::Explicit));
-            let found = expect.with(settings).run(&[&Energy(fluid)], 1e-3).unwrap();
+            let found = expect.with(settings).run(&[&fluid.functions(1)[0]], 1e-3).unwrap();
             let (lo, hi) = found.estimates[0].interval();
             (0.5 * (lo + hi), 0.5 * (hi - lo))
         };
@@ -92,7 +74,8 @@ fn spins_come_to_their_temperature() {
         let problem = problem(&spins, &w, 0.0, 4.0);
         let settings = EquilibriumSettings { key: key(3), ..EquilibriumSettings::new(40) };
         let equilibrium = Equilibrium::new(setup(&problem, &spins, Scheme::Explicit), settings);
-        let found = equilibrium.run(&[&Energy(spins)], 0.01).unwrap();
+        let energy = Function::new("energy", &spins, SuSpins::energy);
+        let found = equilibrium.run(&[&energy], 0.01).unwrap();
         let (lo, hi) = found.means[0].interval();
         (0.5 * (lo + hi), 0.5 * (hi - lo))
     };
