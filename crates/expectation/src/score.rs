@@ -343,3 +343,35 @@ impl Stepper for Scoring<'_> {
         self.inner.rests(live)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// b = Fc, so that Fu = b, and u is c where columns of F are independent. The last one is a
+    /// combination of the others, and then has no part.
+    #[test]
+    fn factors_are_those_of_the_span() {
+        let fields = [[1.0, 2.0, -1.0, 0.5], [0.3, -1.0, 2.0, 0.7], [0.0, 1.5, 0.4, -2.0]];
+        let mixed = std::array::from_fn(|i| 0.2 * fields[0][i] - 1.7 * fields[2][i]);
+        let c = [0.7, -1.1, 0.4];
+        let b: [f64; 4] = std::array::from_fn(|i| (0..3).map(|m| c[m] * fields[m][i]).sum());
+        let [a, d, e] = fields;
+        for all in [vec![a, d, e], vec![a, d, e, mixed], vec![a, a, d, e]] {
+            let n = all.len();
+            let dot = |x: &[f64; 4], y: &[f64; 4]| (0..4).map(|i| x[i] * y[i]).sum::<f64>();
+            let mut gram = [[0.0; MAX_NOISES]; MAX_NOISES];
+            for (m, l) in (0..n).flat_map(|m| (0..n).map(move |l| (m, l))) {
+                gram[m][l] = dot(&all[m], &all[l]);
+            }
+            let mut u: Vec<f64> = all.iter().map(|field| dot(field, &b)).collect();
+            cholesky(&mut gram, n);
+            solve(&gram, &mut u);
+            for i in 0..4 {
+                let found: f64 = (0..n).map(|m| u[m] * all[m][i]).sum();
+                assert!((found - b[i]).abs() < 1e-13, "{u:?}");
+            }
+            assert_eq!(u.iter().filter(|u| **u == 0.0).count(), n - 3, "{u:?}");
+        }
+    }
+}

@@ -103,6 +103,7 @@ fn mistakes_are_named() {
         ),
         (SPIN, "levels = 3", "levels = 4", "4 amplitudes"),
         (SPIN, "transverse = { s = 1 }", "friction = { s = 1 }", "one bath"),
+        (SPIN, "transverse = { s = 1 }", "transverse = { s = -1 }", "`transverse` damping above 0"),
         (SPIN, "initial = [1, 0, 0]", "initial = [0, 0, 0]", "must not all be zero"),
         (QUBIT, "\"-i\", \"i\"", "\"i\", \"i\"", "Hermitian"),
         (QUBIT, "\"-i\"", "\"-i*i\"", "no number a + b*i"),

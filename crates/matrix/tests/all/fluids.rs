@@ -3,7 +3,8 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use matrix::{Harmonics, Scheme, Sphere, Stirring, c64, gauss, inner};
-use real::WIDTH;
+use mc::Observe;
+use real::{PathMask, WIDTH};
 use systems::run_time::{Op, System, Weights};
 
 use crate::{after, matrix, problem, setup, state};
@@ -48,6 +49,29 @@ fn harmonics_are_orthonormal_eigenmatrices() {
         let power = Harmonics::new(n).power(&w, l);
         assert!((power - 1.0).abs() < ROUNDING, "{l} {m}: {power}");
         assert!(Harmonics::new(n).power(&w, if l == 1 { 3 } else { l - 2 }) < 1e-15);
+    }
+}
+
+/// Energies of degrees are parts of the energy, also where the sphere rotates.
+#[test]
+fn functions_of_a_fluid_are_those_of_its_coefficients() {
+    let fluid = Arc::new(Sphere::new(5, 0.8, 1.0, []).unwrap());
+    let given: Vec<f64> = (0..24).map(|k| 0.3 + f64::from(k % 7) / 5.0).collect();
+    let w = fluid.vorticity(&given);
+    let relative = fluid.relative(&w);
+    let orders = (1..5).flat_map(|l| (-(l as isize)..=l as isize).map(move |m| (l, m)));
+    let mut energies = [0.0; 5];
+    for ((l, m), x) in orders.zip(&given) {
+        assert!((fluid.harmonics().coefficient(&relative, l, m) - x).abs() < 1e-13, "{l} {m}");
+        energies[l] += x * x / (2 * l * (l + 1)) as f64;
+    }
+    energies[0] = energies[1..].iter().sum();
+    let rows: Vec<_> = state(5, &w).into_iter().map(|y| [y; WIDTH]).collect();
+    let of = |function: &matrix::Function| function.values(&rows, PathMask::ALL)[5];
+    let functions = fluid.functions(4);
+    assert!((of(&functions[0]) - energies[0]).abs() < 1e-13);
+    for (l, energy) in energies.iter().enumerate().skip(1) {
+        assert!((of(&functions[1 + l]) - energy).abs() < 1e-13, "{l}");
     }
 }
 

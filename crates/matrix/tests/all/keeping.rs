@@ -53,6 +53,25 @@ fn has_gradient(system: &dyn MatrixSystem) {
     assert!(slope.abs() > 1e-3 * size);
 }
 
+/// A constant Hamiltonian of two levels turns ρ₁₂ by τ times their distance, to (τ/2)⁷/100800 of
+/// each, and Cayley's map to a twelfth of (τ/2)³.
+#[test]
+fn a_step_is_an_exponential() {
+    let real = |x: f64| c64::new(x, 0.0);
+    let energies = vec![real(0.5), real(0.0), real(0.0), real(-0.5)];
+    let system = Arc::new(Quantum::new(2, energies, vec![]).unwrap());
+    let still = problem(&system, &[real(0.5); 4], 0.0, 1.0);
+    let half = 0.5f64;
+    for (scheme, known) in [
+        (Scheme::Explicit, 2.0 * half.powi(7) / 100_800.0),
+        (Scheme::Midpoint, 2.0 * half.powi(3) / 12.0),
+    ] {
+        let found = matrix(2, &after(&setup(&still, &system, scheme), 1, 1.0, 1), 0)[2];
+        let off = (found.im.atan2(found.re) + 1.0).abs();
+        assert!((off - known).abs() < 0.1 * known, "{scheme:?} {off} {known}");
+    }
+}
+
 #[test]
 fn generators_are_gradients_of_energies() {
     has_gradient(&Sphere::new(6, 0.7, 1.3, Stirring::isotropic(2, 0.5)).unwrap());

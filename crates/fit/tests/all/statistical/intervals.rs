@@ -33,6 +33,25 @@ enum Wrong {
     Model(f64),
 }
 
+/// Coarse moments that are off by a multiple of a derivative: so is the bound of this parameter.
+#[test]
+fn the_bias_of_steps_is_in_the_interval() {
+    let exact = curve(TRUTH)[0].clone();
+    let at = |k| Moment { time: TIMES[k], of: 0, statistic: Statistic::Mean, value: exact[k] };
+    let data = Data::with_errors((0..4).map(at).collect(), &[ERROR; 4]).expect("data");
+    let mut model = |theta: &[f64], _: &Effort| {
+        let [values, by_a, by_b] = curve([theta[0], theta[1]]);
+        let coarse = values.iter().zip(&by_b).map(|(y, slope)| y + 1e-3 * slope).collect();
+        let (slopes, covariance) = (vec![by_a, by_b], Vec::new());
+        Ok::<_, String>(vec![Replicate { values, coarse, slopes, covariance, failed: 0 }])
+    };
+    let start = [("a".into(), 1.0), ("b".into(), 1.0)];
+    let found = fit(&data, &start, &FitSettings::default(), &mut model).expect("a fit");
+    assert!(found.bias_bound[0] < 1e-8 && (found.bias_bound[1] - 1e-3).abs() < 1e-8);
+    let without = 1.959_963_984_540_054 * found.covariance[1][1].sqrt();
+    assert!((found.half_width(1) - without - 1e-3).abs() < 1e-8);
+}
+
 fn found(set: u64, wrong: Wrong) -> Result<Fit, FitError<String>> {
     let exact = curve(TRUTH);
     let noise = normals(set, 1000);

@@ -17,7 +17,7 @@ fn pareto(words: &mut Words, index: f64) -> f64 {
     words.uniform().powf(-1.0 / index)
 }
 
-const LAWS: [Law; 16] = [
+const LAWS: [Law; 17] = [
     ("normal", |w| w.normal(), LIGHT),
     ("exponential", |w| w.exponential(), LIGHT),
     ("lognormal 0.5", |w| (0.5 * w.normal()).exp(), LIGHT),
@@ -27,6 +27,11 @@ const LAWS: [Law; 16] = [
     ("two wells", |w| w.normal() + 8.0 * w.event(0.3), LIGHT),
     ("counts", |w| (2.0 * w.exponential()).floor(), LIGHT),
     ("constant", |_| 0.1, LIGHT),
+    (
+        "two sizes",
+        |w| w.normal() * (0.2 + 2.8 * w.event(0.05)),
+        [(0.0, 1.0), (0.0, 1.0), (0.0, 0.01)],
+    ),
     ("index 1.67", |w| pareto(w, 5.0 / 3.0), [(0.05, 1.0), (0.85, 1.0), (0.93, 1.0)]),
     ("index 1.67 below", |w| -pareto(w, 5.0 / 3.0), [(0.05, 1.0), (0.85, 1.0), (0.93, 1.0)]),
     (
