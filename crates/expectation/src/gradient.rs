@@ -8,14 +8,14 @@
 
 use std::{ops::Range, sync::Arc};
 
-use noise::{StepNoise, WienerRows};
+use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
-use real::{PathMask, Row};
+use real::{PathMask, Row, golden};
 use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
 use super::{Candidate, Expect, Expectation};
-use mc::{Observe, RunError, Setup};
+use mc::{Observe, Problem, RunError, Setup};
 
 /// A problem in which one parameter is changed a little.
 pub struct Nearby<'a> {
@@ -58,6 +58,8 @@ const APART: f64 = 1e-3;
 const CURVATURE: f64 = 1e-6;
 /// Rounding errors of φ over it.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+/// Distance of initial values, over their size, by which growth is seen.
+const SEPARATION: f64 = 1e-10;
 /// Numbers of steps by which distances are found, the first that keeps nearby states close.
 const PILOTS: [u64; 4] = [64, 512, 4096, 32_768];
 
@@ -130,48 +132,45 @@ impl<'a> Expect<'a> {
         }
     }
 
-    /// Distances of nearby states at T/2 and T over their size, in the root mean square over 32
-    /// paths, for each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short
-    /// as keeps states close, of some numbers. NaN where all paths fail. Areas are zero.
-    pub fn distances(&self) -> Vec<[f64; 2]> {
-        let mut distances = Vec::new();
-        for steps in PILOTS {
-            distances = self.distances_with(steps);
-            if distances.iter().all(|&[_, distance]| distance < APART) {
-                break;
-            }
-        }
-        distances
+    /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
+    /// each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps
+    /// states close, of some numbers. NaN where all paths fail. Areas are zero.
+    pub fn distances(&self) -> Vec<f64> {
+        self.apart(&self.candidates[0].setup, self.parameters.len())
     }
 
-    fn distances_with(&self, steps: u64) -> Vec<[f64; 2]> {
-        let Setup { problem, scheme } = &self.candidates[0].setup;
-        let (d, number) = (problem.y0.len(), self.parameters.len());
-        let tau = problem.t_end / steps as f64;
-        let mut paths = scheme.start(&problem.start(self.settings.key, 0));
-        let mut noise = scheme.no_noise(problem.noises);
-        let mut wiener = WienerRows::new(self.settings.key, 0);
-        let mut status = BlockStatus::explicit();
-        let mut live = PathMask::ALL;
-        let distances = |rows: &[Row], live: PathMask| -> Vec<f64> {
+    /// Factor by which the distance of paths over their size grows until T, from 10⁻¹⁰ between
+    /// their initial values: exponential where motion is chaotic.
+    pub fn growth(&self) -> f64 {
+        let mut setup = self.candidates[0].setup.clone();
+        let Problem { y0, damping, .. } = &setup.problem;
+        let size = y0.iter().map(|y| y * y).sum::<f64>().sqrt();
+        let d = y0.len();
+        let shift = (0..d).map(|i| SEPARATION * size * golden(i as f64 + 1.0)).collect();
+        let nearby = vec![Near { method: Arc::clone(&setup.scheme), damping: *damping, shift }];
+        let begun = (0..d).map(|i| golden(i as f64 + 1.0).powi(2)).sum::<f64>().sqrt();
+        let method = Arc::clone(&setup.scheme);
+        setup.scheme = Arc::new(SideBySide { method, dimension: d, nearby });
+        self.apart(&setup, 1)[0] / (SEPARATION * begun)
+    }
+
+    /// Distances over the size of states side by side with `number` others.
+    fn apart(&self, setup: &Setup<'_>, number: usize) -> Vec<f64> {
+        let d = setup.problem.y0.len();
+        let mut distances = Vec::new();
+        for steps in PILOTS {
+            let (rows, live) = march(setup, self.settings.key, steps, &mut |_, _, _| ());
             let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
                 live.paths().map(|p| (0..d).map(|i| of(i, p).powi(2)).sum::<f64>()).sum()
             };
             let size = square(&|i, p| rows[i][p]);
             let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
-            (0..number).map(|k| (apart(k) / size).sqrt()).collect()
-        };
-        let mut half = Vec::new();
-        for n in 0..steps {
-            if n == steps / 2 {
-                half = distances(paths.state(), live);
+            distances = (0..number).map(|k| (apart(k) / size).sqrt()).collect();
+            if distances.iter().all(|&distance| distance < APART) {
+                break;
             }
-            let Ok(step) = Step::new(problem.damping, n, tau) else { break };
-            wiener.increments(tau.sqrt(), &mut noise.increments);
-            paths.step(&step, &noise, &mut status);
-            live = live.without(status.failed);
         }
-        half.into_iter().zip(distances(paths.state(), live)).map(|(a, b)| [a, b]).collect()
+        distances
     }
 
     /// The test functions on the rows of paths, and their derivatives.
@@ -203,6 +202,28 @@ impl<'a> Expect<'a> {
             .map(|(phi, of)| on_rows(phi, of))
             .collect()
     }
+}
+
+/// The last rows of 32 paths, and the paths that did not fail. `see` has the rows before each step.
+pub(super) fn march(
+    Setup { problem, scheme }: &Setup<'_>,
+    key: StreamKey,
+    steps: u64,
+    see: &mut dyn FnMut(&Step, &[Row], PathMask),
+) -> (Vec<Row>, PathMask) {
+    let tau = problem.t_end / steps as f64;
+    let mut paths = scheme.start(&problem.start(key, 0));
+    let mut noise = scheme.no_noise(problem.noises);
+    let mut wiener = WienerRows::new(key, 0);
+    let (mut status, mut live) = (BlockStatus::explicit(), PathMask::ALL);
+    for n in 0..steps {
+        let Ok(step) = Step::new(problem.damping, n, tau) else { break };
+        see(&step, paths.state(), live);
+        wiener.increments(tau.sqrt(), &mut noise.increments);
+        paths.step(&step, &noise, &mut status);
+        live = live.without(status.failed);
+    }
+    (paths.state().to_vec(), live)
 }
 
 /// A test function of the rows of a path, or a sample of its derivative.

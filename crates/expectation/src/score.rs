@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use noise::{StepNoise, WienerRows};
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{PathMask, Row, Rows, WIDTH};
 use schemes::{About, Method, Step, Stepper};
@@ -14,9 +14,9 @@ use systems::run_time::{Op, System, Weights};
 
 use super::{
     Expect,
-    gradient::{Nearby, Parameter, Slope},
+    gradient::{Nearby, Parameter, Slope, march},
 };
-use mc::{Observe, Problem, RunError, Setup};
+use mc::{Observe, Problem, RunError};
 
 /// Largest number of noises whose span is sought.
 const MAX_NOISES: usize = 8;
@@ -93,26 +93,17 @@ impl<'a> Expect<'a> {
         laws: &[Law<'_>],
         changes: &[f64],
     ) -> Result<(Vec<Row>, PathMask), (usize, &'static str)> {
-        let Setup { problem, scheme } = &self.candidates[0].setup;
-        let tau = problem.t_end / PILOT as f64;
-        let mut paths = scheme.start(&problem.start(self.settings.key, 0));
-        let mut noise = scheme.no_noise(problem.noises);
-        let mut wiener = WienerRows::new(self.settings.key, 0);
-        let (mut status, mut live) = (BlockStatus::explicit(), PathMask::ALL);
         let mut scores = Scores::new(laws, changes);
         // Squares of ∂b/∂θ, of its part outside of the span, of noises, and of their changes.
         let mut squares = vec![[0.0; 4]; changes.len()];
-        for n in 0..PILOT {
-            let Ok(step) = Step::new(problem.damping, n, tau) else { break };
-            scores.at(step.t, paths.state());
+        let mut see = |step: &Step, y: &[Row], live: PathMask| {
+            scores.at(step.t, y);
             for (k, squares) in squares.iter_mut().enumerate() {
                 let found = scores.squares(k, live);
                 squares.iter_mut().zip(found).for_each(|(sum, one)| *sum += one);
             }
-            wiener.increments(tau.sqrt(), &mut noise.increments);
-            paths.step(&step, &noise, &mut status);
-            live = live.without(status.failed);
-        }
+        };
+        let found = march(&self.candidates[0].setup, self.settings.key, PILOT, &mut see);
         for (k, [drift, outside, noise, changed]) in squares.into_iter().enumerate() {
             if changed > ROUNDING * ROUNDING * noise {
                 return Err((k, "it changes a noise"));
@@ -121,7 +112,7 @@ impl<'a> Expect<'a> {
                 return Err((k, "it changes the drift in directions in which no noise acts"));
             }
         }
-        Ok((paths.state().to_vec(), live))
+        Ok(found)
     }
 }
 

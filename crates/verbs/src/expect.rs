@@ -130,34 +130,29 @@ const CHANGE: f64 = 1e-7;
 const DISTANCES: [f64; 2] = [1e-8, 1e-6];
 /// Factor of changes that no state shows, and the number of trials.
 const MORE: f64 = 1e3;
-/// Factor of the distance of nearby states, over their size, that no mean survives.
-const GROWTH: f64 = 1e6;
 const TRIALS: usize = 12;
+/// Growth of distances of paths beside which no derivative along them has a mean.
+const GROWTH: f64 = 1e6;
 
 /// Nearby scenes, each parameter changed so much that states differ by 10⁻⁷ of their size.
 pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
+    let growth = chosen(scene)?.0.growth();
+    if growth > GROWTH {
+        let until = scene.settings.until;
+        let rate = ln(growth) / until;
+        let words = format!(
+            "no derivative along paths: nearby ones separate as exp({rate:.2} t), by {growth:.0e} \
+             until {until}, and derivatives grow as much. Take an earlier time"
+        );
+        return Err(refused(scene, words));
+    }
     let mut changes = vec![CHANGE; scene.gradient.len()];
     for _ in 0..TRIALS {
         let nearby = scene.nearby(&changes)?;
         let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances();
         let [least, most] = DISTANCES;
         let mut settled = true;
-        let until = scene.settings.until;
-        for ((change, [half, distance]), parameter) in
-            changes.iter_mut().zip(distances).zip(&scene.gradient)
-        {
-            let growth = (distance / half).powi(2);
-            if growth > GROWTH && growth.is_finite() {
-                let rate = ln(growth) / until;
-                return Err(refused(
-                    scene,
-                    format!(
-                        "no derivative by `{parameter}` can be told: nearby paths separate as \
-                     exp({rate:.2} t), by {growth:.0e} until {until}, and derivatives along them \
-                     grow as much. Take an earlier time"
-                    ),
-                ));
-            }
+        for (change, distance) in changes.iter_mut().zip(distances) {
             if distance == 0.0 && *change < 1.0 {
                 *change *= MORE;
                 settled = false;

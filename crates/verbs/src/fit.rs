@@ -264,6 +264,6 @@ fn contours(found: &::fit::Fit, [j, k]: [usize; 2]) -> Figure {
     let traces: Vec<Trace> = [("68 %", 2.279), ("95 %", 5.991)].map(contour).into();
     let (x, y) = (&*found.names[j], &*found.names[k]);
     let name = format!("{x} {y}");
-    let caption = format!("{y} against {x}: contours of χ².");
+    let caption = format!("{y} against {x}: contours of χ² by the covariance.");
     Figure::of("contours", &name, lines(&name, x, y, &traces), caption)
 }

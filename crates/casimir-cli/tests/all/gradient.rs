@@ -219,8 +219,19 @@ of = ["q1"]
 accuracy = 1e-2
 gradient = ["l"]
 "#;
-    let words = ["nearby paths separate as exp(0."];
+    let words = ["nearby ones separate as exp(0."];
     fails(with_scene(scene).path(), &["expect", "scene.toml"], 2, &words);
+}
+
+/// A push at the end, of area w: its growth is that of a parameter, not of paths.
+#[test]
+fn late_effects_are_no_chaos() {
+    let push = "H0 = \"(q^2 + p^2)/2 - w*q*exp(-((t - 1.9)/0.1)^2/2)/(0.1*sqrt(2*pi))\"\nH = []";
+    let scene = KUBO.replace("H0 = \"w*(q^2 + p^2)/2\"\nH = [\"s*(q^2 + p^2)/2\"]", push);
+    let scene = scene.replace("until = 2\n", "until = 2.5\n").replace("[\"s\", \"w\"]", "[\"w\"]");
+    // ∫ sin(2.5 − t) times the push.
+    let exact = (-0.5 * 0.1 * 0.1f64).exp() * 0.6f64.sin();
+    are(&scene, &[("w", 0, exact)]);
 }
 
 /// p is an Ornstein–Uhlenbeck process with the mean m = c(1 − e^{−gT})/g and the variance
