@@ -89,8 +89,8 @@ impl SuSpins {
 }
 
 impl Quantum {
-    /// Populations `p1`, …, `energy` tr Hρ, `purity` tr ρ², and entries above the diagonal: `re1_2`,
-    /// `im1_2`, ….
+    /// Populations `p1`, …, `energy` tr Hρ, `purity` tr ρ², and entries above the diagonal:
+    /// `re1_2`, `im1_2`, ….
     pub fn functions(self: &Arc<Self>) -> Vec<Function> {
         let n = self.size();
         let entry = |part: &str, j: usize, k: usize, of: fn(c64) -> f64| {

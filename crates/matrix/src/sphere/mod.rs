@@ -130,8 +130,8 @@ impl Sphere {
         relative
     }
 
-    /// The relative vorticity of coefficients of harmonics (l, m), m from −l to l for l = 1, 2, …, as
-    /// W of the absolute one.
+    /// W of the relative vorticity with these coefficients of harmonics (l, m), m from −l to l for
+    /// l = 1, 2, ….
     pub fn vorticity(&self, coefficients: &[f64]) -> Vec<c64> {
         let mut w = vec![c64::ZERO; self.n * self.n];
         add(self.n, &mut w, &self.planetary.1, 0, self.planetary.0);

@@ -23,7 +23,7 @@ const SITE: f64 = 1.5e4;
 /// Relative tolerance for the lengths of spins.
 const ROUNDING: f64 = 1e-9;
 
-/// The sizes of a lattice, `default` if none are given, whose sites take so many bytes.
+/// Sizes and shape of a lattice, `default` if none are given, whose sites take `bytes` each.
 pub fn shape(reading: &Reading<'_>, default: f64, bytes: f64) -> Read<(Vec<usize>, Shape)> {
     let sizes = reading.list("sizes", &[default])?;
     if let Some(size) = sizes.iter().find(|n| n.fract() != 0.0 || !(1.0..=1e6).contains(*n)) {
