@@ -19,8 +19,8 @@ getattr(scene, sys.argv[1])(resume=sys.argv[2], threads=1, progress=False, **eva
 """
 
 
-def kill_in_the_middle(scene: casimir.Scene, verb: str, folder: Path, options: dict[str, Any]) -> None:
-    """Starts a call in another process, and kills it after its first checkpoint."""
+def killed_in_the_middle(scene: casimir.Scene, verb: str, folder: Path, options: dict[str, Any]) -> bool:
+    """Starts a call in another process, and kills it after its first checkpoint, if it has one."""
     command = [sys.executable, "-c", CALL, verb, str(folder), repr(options)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, text=True) as process:
         assert process.stdin is not None
@@ -35,7 +35,7 @@ def kill_in_the_middle(scene: casimir.Scene, verb: str, folder: Path, options: d
                 process.send_signal(signal.SIGKILL)
                 break
             time.sleep(0.02)
-    assert process.returncode == -signal.SIGKILL, "it ended before its first checkpoint"
+    return process.returncode == -signal.SIGKILL
 
 
 def of(found: casimir.Run | casimir.Expectation) -> str:
@@ -45,26 +45,17 @@ def of(found: casimir.Run | casimir.Expectation) -> str:
     return json.dumps(found.data["estimates"])
 
 
-WORK = [
-    ("run", {"paths": 600_000, "steps": 1024}),
-    ("equilibrium", {"of": ["q^2"], "accuracy": 7e-4, "scheme": "baoab", "chains": 64}),
-]
-
-
-@pytest.mark.parametrize(("verb", "options"), WORK)
-def test_after_a_kill(verb: str, options: dict[str, Any], tmp_path: Path) -> None:
-    name = "langevin" if verb == "equilibrium" else "kubo"
-    scene, folder = casimir.scene(name), tmp_path / "kept"
-    if verb == "run":
-        scene = scene.with_(until=2, statistics=None)
-    kill_in_the_middle(scene, verb, folder, options)
-    begun = time.monotonic()
-    found = getattr(scene, verb)(**options, resume=folder)
-    resumed = time.monotonic() - begun
-    begun = time.monotonic()
-    assert of(found) == of(getattr(scene, verb)(**options)) and not list(folder.glob("*.bin"))
-    # The twin: another seed has other bits.
-    print(f"resumed in {resumed:.1f} s, undisturbed in {time.monotonic() - begun:.1f} s")
+@pytest.mark.parametrize("verb", ["run", "equilibrium"])
+def test_after_a_kill(verb: str, tmp_path: Path) -> None:
+    scene, options = casimir.scene("langevin"), dict[str, Any](steps=64, times=4, paths=60_000)
+    if verb == "equilibrium":
+        options = {"of": ["q^2"], "accuracy": 7e-4, "scheme": "baoab", "chains": 64}
+    folder = tmp_path / "kept"
+    # A fast machine needs more work to be killed at.
+    while not killed_in_the_middle(scene, verb, folder, options):
+        options |= {"paths": 4 * options["paths"]} if verb == "run" else {"accuracy": options["accuracy"] / 2}
+    work = getattr(scene, verb)
+    assert of(work(**options, resume=folder)) == of(work(**options)) and not list(folder.glob("*.bin"))
 
 
 def test_an_interrupted_measurement_goes_on(oscillator: casimir.Scene, tmp_path: Path) -> None:
