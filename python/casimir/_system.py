@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from html import escape
+from typing import TYPE_CHECKING, Any
 
+from ._changes import ChangesBesideSpan, explicit
 from ._errors import SceneError
 from ._formulas import plain
 from ._scene import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Formula = Any
 """A number, a formula in quotes, or an expression of SymPy."""
 
 
+@explicit
 class System:
     """dy = (B∇H0 − γy)dt + Σ B∇Hm ∘ dWm from formulas: strings, or expressions of SymPy.
 
@@ -71,7 +77,9 @@ class System:
         if bath is not None:
             self._tables["bath"] = plain(bath, "bath")
 
-    def scene(self, *, initial: Any, until: Any, steps: int, **changes: Any) -> Scene:
+    def scene(
+        self, *, initial: Any, until: Any, steps: float, **changes: Unpack[ChangesBesideSpan]
+    ) -> Scene:
         """The system with its initial value and what is wanted, as :meth:`Scene.with_` takes it."""
         run = {"initial": [0.0], "until": plain(until, "run.until"), "steps": plain(steps, "run.steps")}
         return Scene.unchecked({**self._tables, "run": run}).with_(initial=initial, **changes)
@@ -80,3 +88,17 @@ class System:
         system = self._tables["system"]
         noises = ", ".join(map(str, system.get("H", [])))
         return f"System({' '.join(system['state'])}; B = {system['B']}, H0 = {system['H0']}, H = [{noises}])"
+
+    def _repr_html_(self) -> str:
+        rows = ((key, _shown(value)) for key, value in self._flat())
+        cells = (f"<tr><th>{escape(a)}</th><td>{escape(b)}</td></tr>" for a, b in rows)
+        return f"<table>{''.join(cells)}</table>"
+
+    def _flat(self) -> list[tuple[str, Any]]:
+        return [*self._tables["system"].items(), *((k, v) for k, v in self._tables.items() if k != "system")]
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} = {_shown(one)}" for key, one in value.items())
+    return ", ".join(map(_shown, value)) if isinstance(value, list) else str(value)

@@ -166,11 +166,11 @@ def test_columns_are_counted_in_letters() -> None:
 
 def test_wrong_arguments(oscillator: casimir.Scene) -> None:
     calls: list[tuple[Callable[[], object], str]] = [
-        (lambda: oscillator.run(step=4), "do you mean `steps`"),
+        (lambda: oscillator.run(step=4), "do you mean `steps`"),  # type: ignore[call-arg]
         (lambda: oscillator.run(threads=0), "from 1 to 1024, got 0"),
         (lambda: oscillator.run(initial=[[1.0, float("nan")]]), "finite"),
         (lambda: oscillator.run(initial=[[1.0], [2.0]]), "2 components"),
-        (lambda: oscillator.run(steps=object()), "has the type object"),
+        (lambda: oscillator.run(steps=object()), "has the type object"),  # type: ignore[arg-type]
         (lambda: oscillator.expect(accuracy=-1), "positive"),
         (lambda: oscillator.compare(error=0.0), "above 0, got 0"),
         (lambda: casimir.scene("rigid"), "no scene `rigid`"),
@@ -200,9 +200,9 @@ def test_what_a_new_user_tried(oscillator: casimir.Scene, tmp_path: Path) -> Non
         (lambda: casimir.sweep(oscillator, k=[1, 2]).run(parameters={"k": 5}), "varied already"),
         (lambda: oscillator.run(initial=np.array([[1j, 0]])), "complex"),
         (lambda: oscillator.run(threads="2"), "whole number"),  # type: ignore[arg-type]
-        (lambda: oscillator.with_(H0="q"), "write system="),
-        (lambda: oscillator.with_(observe=["q"]), "`observe` is a dictionary"),
-        (lambda: oscillator.with_(parameters=3), "`parameters` is a dictionary"),
+        (lambda: oscillator.with_(H0="q"), "write system="),  # type: ignore[call-arg]
+        (lambda: oscillator.with_(observe=["q"]), "`observe` is a dictionary"),  # type: ignore[arg-type]
+        (lambda: oscillator.with_(parameters=3), "`parameters` is a dictionary"),  # type: ignore[arg-type]
         (lambda: casimir.Scene(casimir.System("q p", "canonical", "q")), "call its .scene"),  # type: ignore[arg-type]
         (lambda: oscillator.run().plot("q").save(tmp_path / "q.png"), "written as .svg"),
     ]

@@ -47,6 +47,7 @@ mod slopes;
 mod stationary;
 
 use std::{
+    path::Path,
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -58,8 +59,8 @@ use std::{
 
 use casimir::{
     mc::{
-        Checkpoint,
-        parts::{Job, Stop},
+        Checkpoint, files,
+        parts::{Job, JobError, Program, Share, Stop, remove},
     },
     schemes::BuiltIn,
     stats::Warning,
@@ -156,16 +157,24 @@ macro_rules! verbs {
         /// Names of the verbs.
         pub const NAMES: &[&str] = &[$($verb::NAME),+];
 
-        /// Computes a verb by its name, with options as a JSON object. Nothing is stored.
+        /// Computes a verb by its name, with options as a JSON object, and unfinished work in a
+        /// `folder`, if there is one.
         ///
         /// # Errors
-        /// No such verb or option, or those of [`Verb::compute`].
-        pub fn call(verb: &str, options: &str, scene: &Scene, watch: &Watch) -> Done<Found> {
+        /// No such verb or option, a folder that has other work, or those of [`Verb::compute`].
+        pub fn call(
+            verb: &str,
+            options: &str,
+            scene: &Scene,
+            folder: Option<&Path>,
+            watch: &Watch,
+        ) -> Done<Found> {
             let wrong = |error| Failure::Usage(format!("{verb}: {error}"));
             match verb {
-                $($verb::NAME => serde_json::from_str::<$verb>(options)
-                    .map_err(wrong)?
-                    .compute(scene, &Store::Nothing, watch),)+
+                $($verb::NAME => {
+                    let verb = serde_json::from_str::<$verb>(options).map_err(wrong)?;
+                    stored(&verb, scene, folder, watch)
+                })+
                 _ => Err(Failure::Usage(format!("no verb `{verb}`"))),
             }
         }
@@ -181,6 +190,41 @@ macro_rules! verbs {
 }
 
 verbs!(Inspect, Expect, Fit, Equilibrium, Lyapunov, Order, Compare);
+
+/// This program and what it computes of a scene, as files for unfinished work name it: with further
+/// lines of a command.
+pub fn program(scene: &Scene, further: &str) -> Program {
+    let (name, version) = ("casimir".into(), env!("CARGO_PKG_VERSION").into());
+    Program { name, version, input: scene.meaning() + further }
+}
+
+/// Computes a verb that goes on from the unfinished work in a folder, and keeps its own there until
+/// it is complete.
+fn stored<V: Verb>(verb: &V, scene: &Scene, folder: Option<&Path>, watch: &Watch) -> Done<Found> {
+    let Some(folder) = folder.filter(|_| V::STORES != Stores::Nothing) else {
+        return verb.compute(scene, &Store::Nothing, watch);
+    };
+    let program = program(scene, &verb.meaning());
+    if let Stores::Samples(file) = V::STORES {
+        files::prepare(folder)?;
+        let samples = Checkpoint::new(folder.join(file), program);
+        samples.holds()?;
+        return verb.compute(scene, &Store::Samples(samples), watch);
+    }
+    let job = Job::part(folder, Share::WHOLE, program)?.stopped_by(&watch.stop);
+    let store = Store::Measurements(Arc::new(job.giving_what_is_done()));
+    let found = verb.compute(scene, &store, watch);
+    if let Store::Measurements(job) = store {
+        match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
+            Ok(()) | Err(JobError::Stopped) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    if found.is_ok() {
+        remove(folder, Share::WHOLE)?;
+    }
+    found
+}
 
 /// Result of a command.
 #[derive(Default)]

@@ -19,7 +19,7 @@ use casimir::mc::{
     parts::{Job, Program, Share, Stop, limit_threads},
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use scenes::{Scene, SceneError, Source};
+use scenes::{SceneError, Source};
 use serde::Serialize;
 #[cfg(unix)]
 use signal_hook::{
@@ -56,13 +56,6 @@ fn source(file: &Path) -> Done<Source> {
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
     Ok(Source { name, text, states: None })
-}
-
-/// This program and what it computes of a scene, as files for unfinished work name it: with further
-/// lines of a command.
-fn program(scene: &Scene, further: &str) -> Program {
-    let (name, version) = ("casimir".into(), env!("CARGO_PKG_VERSION").into());
-    Program { name, version, input: scene.meaning() + further }
 }
 
 /// A job with checkpoints in a folder.

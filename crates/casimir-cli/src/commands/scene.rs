@@ -15,11 +15,12 @@ use verbs::{
         Failure::{self, Stopped},
     },
     output::Format,
+    program,
 };
 
 use super::{
-    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, program, read,
-    stoppable, tell, watch,
+    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, read, stoppable, tell,
+    watch,
 };
 use crate::arguments::{Asked, Run};
 
