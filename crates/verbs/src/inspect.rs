@@ -71,8 +71,8 @@ impl Verb for Inspect {
         json["bath"] = json!(bath);
         json["flows"] = json!(flows);
         if let (true, Some(of_plain)) = (plain, json.as_object_mut()) {
-            ["structure", "hamiltonians", "bath", "flows", "theorems", "has_flows"]
-                .map(|key| of_plain.remove(key));
+            let of_others = ["structure", "hamiltonians", "bath", "flows", "theorems", "has_flows"];
+            of_plain.retain(|key, _| !of_others.contains(&&**key));
         }
         Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
     }

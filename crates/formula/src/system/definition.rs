@@ -192,7 +192,10 @@ impl Formulas {
             Ok(formula)
         };
         check_initial_value(state, y0)?;
-        let mut structure = upper(structure, y0, parsed)?;
+        let mut structure = match equation {
+            Some(_) => Vec::new(),
+            None => upper(structure, y0, parsed)?,
+        };
         structure.retain(|(_, entry)| !entry.graph.is_zero(entry.root));
         let through = definition.baths.iter().map(|bath| &bath.through);
         let zero = "0".to_owned();

@@ -26,7 +26,7 @@ pub fn build(reading: &Reading<'_>, drift: &At<Vec<At<Text>>>) -> Read<Built> {
     };
     if let Some(bath) = file.bath.first() {
         refuse!(
-            bath.temperature,
+            &bath.temperature,
             "a heat bath belongs to an energy: give B and H0 as well, or its noise and damping"
         );
     }
