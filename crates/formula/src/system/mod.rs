@@ -152,7 +152,7 @@ impl FormulaSystem {
             Some(1) if has_step => Linearity::Affine,
             _ => Linearity::Other,
         };
-        let nodes = of_energy.map_or(NODES, |degree| {
+        let nodes = of_energy.filter(|_| !plain).map_or(NODES, |degree| {
             nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MAX_NODES)
         });
         let always_solvable = match linearity {
