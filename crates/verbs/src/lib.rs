@@ -428,8 +428,9 @@ pub fn scheme(scene: &Scene) -> Settled {
     if named == AUTO {
         return (auto.into(), Some(because));
     }
-    let constant = scene.model.system().description().linearity == Linearity::Constant;
-    let explicit = BuiltIn::named(named).filter(|scheme| scheme.is_explicit(constant));
+    let system = scene.model.system().description();
+    let constant = system.linearity == Linearity::Constant;
+    let explicit = BuiltIn::named(named).filter(|of| of.is_explicit(constant) && !system.plain);
     let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
     (named.clone(), explicit.map(loses))
 }
