@@ -48,7 +48,8 @@ pub struct Inspection {
     pub noise: Noises,
     /// The invariants that the system claims.
     pub invariants: Vec<ClaimedInvariant>,
-    /// The Casimirs of B, or the functions that all [fields](Self::fields) keep; `None` where rows belong to one path of very many components.
+    /// The Casimirs of B, or the functions that all [fields](Self::fields) keep; `None` where rows
+    /// belong to one path of very many components.
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,

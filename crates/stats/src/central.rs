@@ -139,9 +139,9 @@ impl CentralMoments {
         (known && lo.is_finite() && hi.is_finite()).then_some((lo, hi))
     }
 
-    /// 95 % interval of the variance, (c s²) exp(± z c √((κ − (N − 3)/N)/(N − 1))) with c = N/(N − z)
-    /// and z = 1.96 (Bonett, *Comput. Stat. Data Anal.* 50, 2006, with the plain kurtosis κ). `None`
-    /// with less than [`FEW_SAMPLES`](crate::FEW_SAMPLES)
+    /// 95 % interval of the variance, (c s²) exp(± z c √((κ − (N − 3)/N)/(N − 1))) with z = 1.96
+    /// and c = N/(N − z) (Bonett, *Comput. Stat. Data Anal.* 50, 2006, with the plain kurtosis
+    /// κ). `None` with less than [`FEW_SAMPLES`](crate::FEW_SAMPLES)
     /// [effective samples](Self::effective_samples).
     pub fn variance_interval(&self) -> Option<(f64, f64)> {
         let (n, z) = (self.count as f64, two_sided(CONFIDENCE, None));
