@@ -38,7 +38,7 @@ mod sweep;
 
 pub use figures::FigureSettings;
 pub use keys::*;
-pub use sweep::{Changed, Combination, Nearby, Sweep, Varied};
+pub use sweep::{Apart, Changed, Combination, Nearby, Sweep, Varied};
 
 use std::{fmt::Display, path::Path, sync::Arc};
 
