@@ -27,6 +27,7 @@ mod shorthand;
 mod single;
 mod statistical;
 mod sweeps;
+mod table;
 mod time;
 mod warnings;
 mod written;
