@@ -11,7 +11,7 @@ use super::{
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
 
-use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, place};
+use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, place, terms};
 
 use crate::{
     Formula,
@@ -148,7 +148,22 @@ impl Expressions {
         let shifted = new.shifted(&weighted, |_, shift, _| shift);
         let sum = |k: usize| {
             let of: Vec<Id> = new.fields.iter().map(|field| field[k]).collect();
-            new.graph.dot(&of, &weights)
+            let weighted: Vec<Weighted> = of.iter().copied().zip(weights.iter().copied()).collect();
+            // Drift and noises may share terms, also where a constant divides them.
+            let divided = terms(&mut new.graph, &weighted).into_iter().map(|(part, weight)| {
+                match new.graph.node(part) {
+                    Node::Binary(Binary::Div, a, c) if new.graph.as_constant(c).is_some() => {
+                        (a, new.graph.div(weight, c))
+                    }
+                    _ => (part, weight),
+                }
+            });
+            let divided: Vec<Weighted> = divided.collect();
+            let (parts, sums): (Vec<Id>, Vec<Id>) =
+                terms(&mut new.graph, &divided).into_iter().unzip();
+            let sums = [(of, weights.clone()), (parts, sums)].map(|(a, b)| new.graph.dot(&a, &b));
+            let [direct, shared] = sums.map(|sum| new.graph.needed(&[sum]).len());
+            sums[usize::from(shared < direct)]
         };
         let gradient = match new.fields.is_empty() {
             true => new.graph.reverse(&shifted, &(0..dimension).collect::<Vec<_>>()),
