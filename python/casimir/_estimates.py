@@ -196,7 +196,7 @@ class ExpectationSweep(Mapping[str, Estimates]):
         for place, one in zip(np.ndindex(self.shape), self.results, strict=True):
             values = zip(place, self.parameters.values(), strict=True)
             cells = [f"{of[k]:g}" for k, of in values]
-            cells += [f"{e.value:.6g} ± {e.half_width:.1g}" for e in (one or {}).values()]
+            cells += [f"{e.value:.6g} ± {e.half_width:.2g}" for e in (one or {}).values()]
             lines.append("  ".join(cells))
         return "\n".join(lines)
 
