@@ -1,5 +1,6 @@
 """Scenes: from files, dictionaries and SymPy; changed; wrong."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -94,6 +95,19 @@ def test_an_equation_of_ito_is_compared() -> None:
     with pytest.raises(casimir.SceneError, match="this drift is") as raised:
         casimir.System(**given, drift=["-a^2/2*x", "-a^2*y"]).scene(**changes)
     assert raised.value.key == "system.drift"
+
+
+def test_an_equation_may_be_all_there_is() -> None:
+    sympy = pytest.importorskip("sympy")
+    x, r = sympy.symbols("x r")
+    system = casimir.System([x], drift=[r * x], noise=[[x / 2]], calculus="ito", parameters={r: 0.5})
+    assert repr(system).startswith("System(x; drift = ['r*x'], noise = [['")
+    found = system.scene(initial=[1], until=1, steps=64).expect(of=["x"], accuracy=0.01)
+    assert abs(found["x"].value - math.exp(0.5)) < 2.5 * found["x"].half_width
+    wrong: list[dict[str, Any]] = [{"H0": "x"}, {"B": "canonical"}, {"drift": None}]
+    for changes in wrong:
+        with pytest.raises(casimir.SceneError, match="is missing"):
+            casimir.System("x", **{"drift": ["x"], **changes})
 
 
 def changed(table: str, key: str, value: Any) -> dict[str, Any]:

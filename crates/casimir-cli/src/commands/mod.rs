@@ -199,18 +199,22 @@ fn prepare(folder: &Path) -> Done {
 fn tell(found: &Found, folder: Option<&Path>, file: &str, json: bool) -> Done {
     // First, and whatever becomes of the files.
     let told = if json { print_json(&found.json) } else { print(&found.text) };
-    let mut written = String::new();
-    if let Some(folder) = folder {
-        files::prepare(folder)?;
-        files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
-        for figure in &found.figures {
-            let file = folder.join(format!("{}.svg", figure.file));
-            files::write(&file, &figure.svg)?;
-            written += &format!("figure: {}\n", file.display());
-        }
-    }
+    let written = folder.map_or(Ok(String::new()), |folder| store(found, folder, file))?;
     told?;
     if json { Ok(()) } else { print(&written) }
+}
+
+/// Writes figures and JSON into a folder; returns lines with the figures.
+fn store(found: &Found, folder: &Path, file: &str) -> Done<String> {
+    files::prepare(folder)?;
+    files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
+    let mut written = String::new();
+    for figure in &found.figures {
+        let file = folder.join(format!("{}.svg", figure.file));
+        files::write(&file, &figure.svg)?;
+        written += &format!("figure: {}\n", file.display());
+    }
+    Ok(written)
 }
 
 fn print_json(value: &impl Serialize) -> Done {

@@ -18,6 +18,7 @@ mod ito;
 mod kept;
 mod matrices;
 mod parts;
+mod plain;
 mod promised;
 mod resolution;
 mod resting;
