@@ -196,7 +196,7 @@ class ExpectationSweep(Mapping[str, Estimates]):
         for place, one in zip(np.ndindex(self.shape), self.results, strict=True):
             values = zip(place, self.parameters.values(), strict=True)
             cells = [f"{of[k]:g}" for k, of in values]
-            cells += [f"{e.value:.6g} ± {e.half_width:.1g}" for e in (one or {}).values()]
+            cells += [f"{e.value:.6g} ± {e.half_width:.2g}" for e in (one or {}).values()]
             lines.append("  ".join(cells))
         return "\n".join(lines)
 
@@ -207,12 +207,16 @@ class ExpectationSweep(Mapping[str, Estimates]):
 class Fit(Result):
     """Parameters that were fitted to data, each with its 95 % interval."""
 
+    parameters: dict[str, Estimate]
+    """The parameters by name."""
+    covariance: Array
+    """The covariance of the parameters, in their order."""
+
     def __init__(self, scene: Scene, found: _Found) -> None:
         super().__init__(scene, found)
 
         self.parameters = {str(one["name"]): _estimate(one) for one in self.data["parameters"]}
         self.covariance = np.array(self.data["covariance"], dtype=np.float64)
-        """The covariance of the parameters, in their order."""
 
     @property
     def reached(self) -> bool:

@@ -68,7 +68,7 @@ class Part(Generic[R]):
             given = {**options, "threads": threads, "progress": progress, "resume": resume}
             found = getattr(own, verb)(**given, raises=True)
             return PartResult(self, json.dumps(found.data).encode())
-        with tempfile.TemporaryDirectory() as here:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as here:
             folder = Path(here if resume is None else resume)
             share = (self.number, parts), settled
             _core.run(scene, independent, how(threads, progress, folder), share)

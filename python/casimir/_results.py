@@ -27,6 +27,13 @@ Array = NDArray[np.float64]
 class Figure:
     """A drawing, shown by notebooks."""
 
+    name: str
+    """The name among figures."""
+    svg: str
+    """The drawing as SVG."""
+    caption: str
+    """A sentence about it."""
+
     def __init__(self, name: str, svg: str, caption: str) -> None:
         self.name, self.svg, self.caption = name, svg, caption
 

@@ -157,3 +157,38 @@ fn an_interval_is_students_and_what_was_not_seen() {
     // Clopper and Pearson: 0.0024 to 0.0704.
     assert!((-0.01..0.0025).contains(&lo) && (0.07..0.2).contains(&hi), "{lo} {hi}");
 }
+
+/// Laws with their variances.
+const VARIANCES: [Law; 4] = [
+    ("normal", |w| w.normal(), 1.0),
+    ("uniform", |w| w.uniform(), 1.0 / 12.0),
+    ("exponential", |w| w.exponential(), 1.0),
+    ("lognormal 0.5", |w| (0.5 * w.normal()).exp(), 0.364_695_845_532_774_7),
+];
+
+/// 4000 seeds each: four standard deviations, one in 3·10⁴ for each of 8 shares.
+#[test]
+fn intervals_of_variances_cover() {
+    let (mut refuted, seeds) = (0, 4000);
+    for (samples, claim) in [(100, 0.09), (1000, 0.07)] {
+        for (name, law, truth) in VARIANCES {
+            let (mut missed, mut twin) = (0.0, 0.0);
+            for seed in 0..seeds {
+                let mut words = Words(Xoshiro256PlusPlus::seed_from_u64(seed));
+                let mut moments = CentralMoments::default();
+                (0..samples).for_each(|_| moments.add(law(&mut words)));
+                let false_one = |(lo, hi): (f64, f64)| !(lo..=hi).contains(&truth);
+                missed += f64::from(u8::from(moments.variance_interval().is_none_or(false_one)));
+                // The twin: the interval of a normal law.
+                let half = 1.96 * moments.variance() * (2.0 / f64::from(samples)).sqrt();
+                let normal = (moments.variance() - half, moments.variance() + half);
+                twin += f64::from(u8::from(false_one(normal)));
+            }
+            let most = claim + 4.0 * (claim * (1.0 - claim) / seeds as f64).sqrt();
+            let (share, twin) = (missed / seeds as f64, twin / seeds as f64);
+            assert!(share < most, "{name} of {samples}: {share}");
+            refuted += u32::from(twin > most);
+        }
+    }
+    assert!(refuted >= 4, "{refuted}");
+}
