@@ -11,7 +11,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use serde_json::{Value, json};
 use verbs::{
-    self, Watch,
+    self,
     failure::{Done, Failure},
     output::arrays,
 };

@@ -29,7 +29,8 @@ analysis: inspect mc stats formula schemes systems nonlin noise real
 plot: stats real
 casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
     nonlin dgrad noise real
-scenes: casimir kernels matrix
+keys: casimir
+scenes: keys casimir kernels matrix
 verbs: scenes fit casimir
 cli: verbs scenes casimir
 verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real

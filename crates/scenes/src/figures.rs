@@ -2,11 +2,7 @@
 
 use casimir::{plot::figure::Title, study::Wanted};
 
-use super::{
-    Constants, Read, Scene, Settings,
-    file::{FiguresTable, Pair, StatisticsTable},
-    refuse,
-};
+use super::{Constants, FiguresTable, Pair, Read, Scene, Settings, StatisticsTable, refuse};
 
 /// Checked choice of figures and of their axes.
 #[derive(Default)]

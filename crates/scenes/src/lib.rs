@@ -31,30 +31,14 @@
 //! ```
 
 mod figures;
-mod file;
 pub mod gallery;
-mod initial;
 mod meaning;
 pub mod model;
-mod observe;
-mod read;
-mod run;
-mod shorthand;
-mod source;
 mod sweep;
-mod values;
 
 pub use figures::FigureSettings;
-pub use file::{BathTable, Calculus, ExpectTable, SceneFile, SystemTable, schema};
-use observe::Vocabulary;
-pub use observe::{Further, Observable, Quantity};
-pub(crate) use read::among;
-pub use read::{Constants, Reading};
-pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
-pub use shorthand::{State, structure};
-pub use source::{Read, SceneError, Source, Wrong};
-pub use sweep::{Changed, Combination, Nearby, Set, Sweep, Varied};
-pub use values::{At, Count, Listed, Parameter, Text, count, digits, place};
+pub use keys::*;
+pub use sweep::{Changed, Combination, Nearby, Sweep, Varied};
 
 use std::{fmt::Display, path::Path, sync::Arc};
 
@@ -117,7 +101,7 @@ impl Scene {
     /// [`SceneError`] with line and column of what is wrong.
     pub fn new(source: Source, changes: &Changes) -> Result<Self, SceneError> {
         let read = || {
-            let mut file = read::parse(&source.text)?;
+            let mut file = parse(&source.text)?;
             sweep::settle(&mut file, &changes.scheme.sets)?;
             Self::of(&source, file, &Arc::new(changes.clone()))
         };
@@ -384,18 +368,3 @@ impl Scene {
 
 /// Names that stand for groups of columns.
 const GROUPS: [&str; 2] = ["components", "laws"];
-
-/// Whether tables may have a column of this name beside components and observables: what a row is
-/// of, or a conformal law C, C1, …, H and H0 and its defect.
-fn is_column(name: &str) -> bool {
-    let law = name.trim_end_matches(" defect");
-    let number = law.strip_prefix('C').or(law.strip_prefix('H'));
-    ["scheme", "path", "t"].contains(&name)
-        || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
-}
-
-/// The error for a name that a column of the tables has already.
-fn taken(name: &At<String>) -> Wrong {
-    let message = "is a column of the tables already: choose another name";
-    Wrong::new(name, format_args!("`{}` {message}", **name))
-}

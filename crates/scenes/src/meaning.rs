@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use super::{Changes, Scene, values::number};
+use super::{Changes, Scene, number};
 
 /// Keys that change how results are shown or how many there are, but not the law of the samples:
 /// stored samples can still be extended.

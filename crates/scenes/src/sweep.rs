@@ -1,46 +1,13 @@
 //! A scene at several values of its parameters.
 
-use std::{collections::HashSet, ops::Range, str::FromStr, sync::Arc};
+use std::{collections::HashSet, ops::Range, sync::Arc};
 
 use casimir::formula::{Formula, Names};
-use serde::{Deserialize, Serialize};
 
 use super::{
-    Changes, Scene,
-    file::SceneFile,
-    read::{self, Constants, among},
-    source::{Read, SceneError, Source},
-    values::{At, Listed, MAX_VALUES, Parameter, Text, Values},
+    At, Changes, Constants, Listed, MAX_VALUES, Parameter, Read, Scene, SceneError, SceneFile, Set,
+    Source, Text, among, parse, refuse,
 };
-use crate::refuse;
-
-/// `--set NAME=VALUES`: the values of a parameter, instead of those of the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Set {
-    /// The parameter.
-    pub name: String,
-    /// Values as they are written.
-    pub values: Vec<String>,
-}
-
-impl Set {
-    /// One value of a parameter.
-    pub fn of(name: &str, value: f64) -> Self {
-        Self { name: name.into(), values: vec![format!("{value:?}")] }
-    }
-}
-
-impl FromStr for Set {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (name, values) = text.split_once('=').ok_or_else(|| {
-            format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
-        })?;
-        let Values(values) = Values::new(values)?;
-        Ok(Self { name: name.trim().into(), values })
-    }
-}
 
 /// A parameter with its chosen values.
 pub struct Varied {
@@ -120,7 +87,7 @@ impl Sweep {
     }
 
     fn of(source: &Source, changes: &Changes) -> Read<Self> {
-        let file = read::parse(&source.text)?;
+        let file = parse(&source.text)?;
         let mut varied = chosen(&file, &changes.scheme.sets)?;
         // One for all scenes, which may be many.
         let changes = &Arc::new(changes.clone());
@@ -241,7 +208,7 @@ impl Nearby {
     }
 
     fn of(source: &Source, changes: &Changes, parameters: &[(String, f64)]) -> Read<Self> {
-        let mut file = read::parse(&source.text)?;
+        let mut file = parse(&source.text)?;
         settle(&mut file, &changes.scheme.sets)?;
         let numbers = Constants::new(&file.system)?.numbers;
         let changes = Arc::new(changes.clone());

@@ -1,6 +1,6 @@
 //! Settings of a simulation, from a scene and a command line.
 
-use std::ops::Range;
+use std::{ops::Range, str::FromStr};
 
 use casimir::{
     mc::Initial,
@@ -13,8 +13,7 @@ use super::{
     initial::initial,
     read::Constants,
     source::{Read, Source},
-    sweep::Set,
-    values::{At, Count, Listed, place},
+    values::{At, Count, Listed, Values, place},
 };
 use crate::refuse;
 
@@ -64,6 +63,34 @@ pub struct SchemeAndSeed {
     #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]
     #[serde(default)]
     pub sets: Vec<Set>,
+}
+
+/// `--set NAME=VALUES`: the values of a parameter, instead of those of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Set {
+    /// The parameter.
+    pub name: String,
+    /// Values as they are written.
+    pub values: Vec<String>,
+}
+
+impl Set {
+    /// One value of a parameter.
+    pub fn of(name: &str, value: f64) -> Self {
+        Self { name: name.into(), values: vec![format!("{value:?}")] }
+    }
+}
+
+impl FromStr for Set {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, values) = text.split_once('=').ok_or_else(|| {
+            format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
+        })?;
+        let Values(values) = Values::new(values)?;
+        Ok(Self { name: name.trim().into(), values })
+    }
 }
 
 /// Checked settings of a run.

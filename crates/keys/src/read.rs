@@ -60,6 +60,21 @@ pub fn parse(text: &str) -> Read<SceneFile> {
     })
 }
 
+/// Whether tables may have a column of this name beside components and observables: what a row is
+/// of, or a conformal law C, C1, …, H and H0 and its defect.
+pub fn is_column(name: &str) -> bool {
+    let law = name.trim_end_matches(" defect");
+    let number = law.strip_prefix('C').or(law.strip_prefix('H'));
+    ["scheme", "path", "t"].contains(&name)
+        || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// The error for a name that a column of the tables has already.
+pub fn taken(name: &At<String>) -> Wrong {
+    let message = "is a column of the tables already: choose another name";
+    Wrong::new(name, format_args!("`{}` {message}", **name))
+}
+
 /// Parameters with values.
 pub struct Constants {
     /// Names and values of the parameters that are numbers.

@@ -29,7 +29,8 @@ pub struct SceneError {
 /// An error in a scene before its source is named: see [`Source::located`].
 #[derive(Debug)]
 pub struct Wrong {
-    pub(crate) message: String,
+    /// The mistake and the remedy.
+    pub message: String,
     place: Option<Range<usize>>,
     /// Text of the formula at the place, and the part of it that is meant.
     part: Option<(String, Range<usize>)>,

@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, HashMap};
 use casimir::formula::{self, Formula, Names, nearest};
 
 use super::{
-    is_column,
+    read::{is_column, taken},
     source::Read,
-    taken,
     values::{At, Entries, Listed, Structure},
 };
 use crate::refuse;
