@@ -52,10 +52,6 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
     fn run(self) {
         let Self { layout, local, damped, field, tile, op, h, out } = self;
         let (groups, first) = (tile.len() / 3, tile.start / 3);
-        let field = |group: usize| {
-            let begin = if field.len() == 3 { 0 } else { 3 * group };
-            at(field, [begin, begin + 1, begin + 2])
-        };
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
                 for $group in 0..groups {
@@ -94,13 +90,13 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
                 let noise =
                     if local { at(&h.dw[tile.clone()], rows) } else { [h.dw[0], h.dw[1], h.dw[2]] };
                 let of = layout.materials(first + group);
-                gradient(of, damped, spins, [exchange, field(group), noise], h.dt)
+                gradient(of, damped, spins, [exchange, field_of(field, group), noise], h.dt)
             }),
             Op::Hessian { y, u } => on_each!(|group, rows| {
                 let states = [y, u].map(|y| at(&y[tile.clone()], rows));
                 let exchanges = [y, u].map(|y| layout.exchange(first + group, y));
                 let of = layout.materials(first + group);
-                hessian(of, damped, states, exchanges, field(group), h.dt)
+                hessian(of, damped, states, exchanges, field_of(field, group), h.dt)
             }),
             // {Hₘ, H_l} = σ² Σ sᵢ·(e_l × eₘ) for common noise.
             Op::AreaGradient { .. } => on_each!(|group, rows| {
@@ -115,6 +111,44 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
                 unreachable!("averages are derived")
             }
         }
+    }
+}
+
+/// Rows of the field on a group, of those of a tile or of a constant field.
+#[inline(always)]
+fn field_of(field: &[Row], group: usize) -> Spins {
+    let begin = if field.len() == 3 { 0 } else { 3 * group };
+    at(field, [begin, begin + 1, begin + 2])
+}
+
+/// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
+pub struct EnergyOnTile<'a, L> {
+    pub layout: L,
+    pub field: &'a [Row],
+    pub tile: Range<usize>,
+    pub y: &'a [Row],
+}
+
+impl<L: SpinRows> Kernel for EnergyOnTile<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { layout, field, tile, y } = self;
+        let (groups, mut sum) = (tile.len() / 3, [0.0; WIDTH]);
+        for group in 0..groups {
+            let number = tile.start / 3 + group;
+            let s = at(&y[tile.clone()], [group, group + groups, group + 2 * groups]);
+            let (exchange, field) = (layout.exchange(number, y), field_of(field, group));
+            let anisotropy = &layout.materials(number).anisotropy;
+            for p in 0..WIDTH {
+                for c in 0..3 {
+                    sum[p] -= s[c][p] * (0.5 * exchange[c][p] + field[c][p]);
+                }
+                sum[p] -= 0.5 * anisotropy[p] * s[2][p] * s[2][p];
+            }
+        }
+        sum.iter().sum()
     }
 }
 

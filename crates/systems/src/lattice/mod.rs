@@ -38,8 +38,8 @@ use crate::{
     run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{CHUNK, Flow, Part};
-use formulas::OnTile;
-use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES};
+use formulas::{EnergyOnTile, OnTile};
+use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES, place};
 
 pub use cell::{Cell, LATTICES, Pair};
 pub use crystal::{Bond, Crystal, Material};
@@ -198,6 +198,54 @@ impl SpinLattice {
         self.description.layout.lanes == Lanes::Components
     }
 
+    /// Rows of the field on a tile: three if it is constant.
+    fn field_on<'a>(
+        &self,
+        t: f64,
+        tile: &Range<usize>,
+        constant: &'a mut [Row; 3],
+        scratch: &'a mut [Row],
+    ) -> &'a [Row] {
+        match &self.field {
+            Field::Constant(h) => {
+                *constant = h.map(|h| [h; WIDTH]);
+                constant
+            }
+            Field::Of { of, .. } => {
+                let (rows, scratch) = scratch.split_at_mut(tile.len());
+                for (group, rows) in rows.chunks_exact_mut(3).enumerate() {
+                    of(t, &self.places(tile.start / 3 + group), rows, scratch);
+                }
+                rows
+            }
+        }
+    }
+
+    /// H₀ of the spins of a tile of one path; that of a bond is shared by its spins.
+    #[must_use]
+    pub fn energy_of_tile(
+        &self,
+        y: &[Row],
+        t: f64,
+        tile: Range<usize>,
+        scratch: &mut [Row],
+    ) -> f64 {
+        let mut constant = [[0.0; WIDTH]; 3];
+        let field = self.field_on(t, &tile, &mut constant, scratch);
+        let layout = OnePath(&self.sites, self.sites.crystal.sites());
+        dispatch(EnergyOnTile { layout, field, tile, y })
+    }
+
+    /// A spin of path p.
+    #[must_use]
+    pub fn spin(&self, y: &[Row], site: usize, p: usize) -> [f64; 3] {
+        if !self.is_one_path() {
+            return [0, 1, 2].map(|c| y[3 * site + c][p]);
+        }
+        let (begin, plane) = place(self.sites.crystal.sites(), site);
+        [0, 1, 2].map(|c| y.as_flattened()[begin + c * plane])
+    }
+
     /// The places of a group.
     fn places(&self, number: usize) -> [Row; 3] {
         let crystal = &self.sites.crystal;
@@ -239,26 +287,10 @@ impl System for SpinLattice {
         }
         let Self { sites, local, damped, .. } = self;
         let (local, damped, count) = (*local, *damped, sites.crystal.sites());
-        let of_field = match op {
-            Op::Gradient { .. } | Op::Hessian { .. } => Some(&self.field),
-            _ => None,
-        };
-        let constant = |h: [f64; 3]| h.map(|h| [h; WIDTH]);
-        let constant = match of_field {
-            Some(Field::Constant(h)) => constant(*h),
-            _ => constant([0.0; 3]),
-        };
-        let field = match of_field {
-            Some(Field::Of { of, .. }) => {
-                let (rows, scratch) = scratch.split_at_mut(tile.len());
-                for (group, rows) in rows.chunks_exact_mut(3).enumerate() {
-                    let places = self.places(tile.start / 3 + group);
-                    of(h.t, &places, rows, scratch);
-                }
-                &*rows
-            }
-            _ => &constant,
-        };
+        let is_read = matches!(op, Op::Gradient { .. } | Op::Hessian { .. });
+        let mut constant = [[0.0; WIDTH]; 3];
+        let field =
+            if is_read { self.field_on(h.t, &tile, &mut constant, scratch) } else { &constant };
         match self.is_one_path() {
             false => {
                 let layout = OnPaths(sites);
@@ -290,9 +322,9 @@ impl System for SpinLattice {
                 .filter_map(|bond| Some((crystal.site(bond.pair.to, cell, bond.pair.cells)?, bond)))
                 .collect();
             for p in self.lanes() {
-                let s = [0, 1, 2].map(|c| self.at(y, site, c, p));
+                let s = self.spin(y, site, p);
                 for (next, Bond { exchange, antisymmetric: d, .. }) in &mine {
-                    let next = [0, 1, 2].map(|c| self.at(y, *next, c, p));
+                    let next = self.spin(y, *next, p);
                     let product: f64 = (0..3).map(|c| s[c] * next[c]).sum();
                     out[p] -= exchange * h.dt * product;
                     let turned = cross(s, next);
