@@ -103,7 +103,11 @@ impl Scene {
         let read = || {
             let mut file = parse(&source.text)?;
             sweep::settle(&mut file, &changes.scheme.sets)?;
-            Self::of(&source, file, &Arc::new(changes.clone()))
+            let scene = Self::of(&source, file, &Arc::new(changes.clone()))?;
+            match scene.model.large() {
+                Some(large) => Err(Wrong::new(None, large.refusal())),
+                None => Ok(scene),
+            }
         };
         source.located(read())
     }
@@ -111,7 +115,10 @@ impl Scene {
     /// Makes a scene from the keys of a text.
     fn of(source: &Source, file: SceneFile, changes: &Arc<Changes>) -> Read<Self> {
         let constants = Constants::new(&file.system)?;
-        let settings = Settings::new(source, &file.run, &constants, changes)?;
+        let settings = {
+            let has_places = file.system.name.as_ref().is_some_and(|name| **name == "spin-lattice");
+            Settings::new(source, &file.run, &constants, changes, has_places)?
+        };
         let model::Built { model, components, sizes, names, energy, quantities } =
             model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
         let y0 = model.problem().y0;

@@ -39,6 +39,7 @@ mod expect;
 pub mod failure;
 mod fit;
 mod inspect;
+mod large;
 mod order;
 pub mod output;
 mod referee;

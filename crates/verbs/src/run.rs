@@ -9,10 +9,10 @@ use casimir::{
     study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
 };
 
-use super::{Settled, Watch, scheme};
+use super::{Settled, Watch, large, scheme};
 use crate::{
     failure::{Done, Failure},
-    output,
+    output::{self, Array},
 };
 use scenes::{Combination, Observable, Quantity, Scene, Sweep, model::Known};
 
@@ -29,9 +29,11 @@ pub struct Results {
     /// Statistics of all paths, if there are many.
     pub study: Option<StudyResult>,
     /// The means of a few paths in time.
-    means: Vec<Series>,
+    pub(crate) means: Vec<Series>,
     /// Check of the step errors.
     pub check: Option<StepCheck>,
+    /// Correlations and structure factors of a large lattice.
+    pub spectra: Vec<Array>,
     /// Seconds of the computation.
     pub seconds: f64,
 }
@@ -153,7 +155,7 @@ impl Results {
 }
 
 /// The means of the observables of a few paths in time.
-fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
+pub fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
     let longest = tables.iter().map(|table| table.times()).max_by_key(|times| times.len());
     let series = |Observable { name, .. }: &Observable| {
         let columns: Vec<&[f64]> = tables.iter().filter_map(|table| table.column(name)).collect();
@@ -171,7 +173,8 @@ fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
 /// A checked run.
 pub struct Ready<'a> {
     combination: &'a Combination,
-    setup: Setup<'a>,
+    /// None of a large lattice.
+    setup: Option<Setup<'a>>,
     settled: Settled,
 }
 
@@ -179,6 +182,10 @@ impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
     pub fn new(combination: &'a Combination, settled: Settled) -> Done<Self> {
         let scene = &combination.scene;
+        if let Some(large) = scene.model.large() {
+            large::check(scene, large, &settled.0)?;
+            return Ok(Self { combination, setup: None, settled });
+        }
         let setup = scene.collecting(scene.setup(&settled.0)?);
         let settings = &scene.settings;
         if setup.scheme.about().clips_increments
@@ -191,13 +198,18 @@ impl<'a> Ready<'a> {
                 setup.scheme.about().id
             )))?;
         }
-        Ok(Self { combination, setup, settled })
+        Ok(Self { combination, setup: Some(setup), settled })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { combination, setup, settled: (scheme, because) } = self;
+        let Self { combination, setup, settled } = self;
+        let Some(setup) = setup else {
+            let Some(large) = combination.scene.model.large() else { return Ok(None) };
+            return large::compute(combination, large, settled, job, watch);
+        };
+        let (scheme, because) = settled;
         let (scene, prefix) = (&combination.scene, combination.prefix());
         job.section(&prefix);
         let Scene { components, observables, settings, model, .. } = scene;
@@ -249,6 +261,9 @@ impl<'a> Ready<'a> {
         let tables = watch.under(&what, cost, paths).map_err(wrong)?;
         let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
-        Ok(Some(Results { scheme, because, known, tables, study, means, check, seconds }))
+        let spectra = Vec::new();
+        let found =
+            Results { scheme, because, known, tables, study, means, check, spectra, seconds };
+        Ok(Some(found))
     }
 }

@@ -93,6 +93,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         model: Box::new(AtRunTime {
             problem,
             friction,
+            initial: None,
             formulas: Some(system),
             facts: OnceLock::new(),
             flows: OnceLock::new(),

@@ -1,0 +1,165 @@
+//! Paths of a large lattice, one after the other.
+
+use std::{path::Path, time::Instant};
+
+use casimir::{
+    lattice::{Follow, LargePath, Record, Spectra},
+    mc::{
+        Checkpoint, Column, NoiseOrigin, Observe, Role, TimeSeries, files,
+        parts::{Job, hash},
+    },
+    real::{PathMask, Row, WIDTH},
+    schemes::BuiltIn,
+};
+
+use super::{Results, Settled, Watch};
+use crate::{
+    failure::{Done, Failure},
+    output::{Array, list, npz_bytes},
+};
+use scenes::{
+    Combination, Quantity, Scene,
+    model::{Known, Large},
+};
+
+/// Checks that the paths of a large lattice can be computed by a scheme.
+pub fn check(scene: &Scene, large: &Large, scheme: &str) -> Done {
+    let place = scene.settings.scheme_place.clone();
+    let wrong = |why: String| scene.source.error(place.clone(), why);
+    let unknown = || wrong(format!("no scheme `{scheme}`"));
+    let scheme = BuiltIn::named(scheme).ok_or_else(unknown)?;
+    scheme.at_run_time(&*large.lattice).map_err(|error| wrong(error.to_string()))?;
+    if scene.collects() {
+        let words = "integrals, times and events of large lattices are not collected";
+        return Err(Failure::Usage(words.into()));
+    }
+    Ok(())
+}
+
+/// Computes the paths of a scene.
+pub fn compute(
+    combination: &Combination,
+    large: &Large,
+    (scheme, because): Settled,
+    job: &Job,
+    watch: &Watch,
+) -> Done<Option<Results>> {
+    let (start, scene, prefix) = (Instant::now(), &combination.scene, combination.prefix());
+    if !job.is_whole() {
+        let words = "a lattice of so many spins is one path on all threads, and has no parts";
+        return Err(Failure::Usage(format!("{words}: `casimir run` goes on after a stop")));
+    }
+    let settings = &scene.settings;
+    let built_in = BuiltIn::named(&scheme).expect("it was checked").at_run_time(&*large.lattice)?;
+    let every = settings.steps / settings.times;
+    let spectra_every = every * (settings.times / settings.snapshots.0);
+    let (mut tables, mut records) = (Vec::new(), Vec::new());
+    for path in 0..settings.paths {
+        let problem = large.path(path)?;
+        let of_path = if settings.paths > 1 { format!("path {path}") } else { "path".into() };
+        let name = format!("{}-{path}", &hash(&prefix)[..8]);
+        let checkpoint = job.checkpoint(&name);
+        let (truncation, key) = (settings.truncation, settings.key);
+        let one = LargePath::new(&problem, &*built_in, settings.steps, truncation, key, path)
+            .map_err(|error| scene.steps_error(error))?;
+        let follow =
+            Follow { lattice: &large.lattice, steps: settings.steps, every, spectra_every };
+        let folder = checkpoint.as_ref().and_then(|checkpoint| checkpoint.file().parent());
+        let mut keep = |step: u64, y: &[Row]| match folder {
+            Some(folder) => snapshot(folder, &format!("{name}-{step}"), large, y),
+            None => Ok(()),
+        };
+        let found = watch.under(&format!("{prefix}{of_path}"), settings.steps, |told| {
+            follow.path(one, checkpoint.as_ref(), &watch.stop, &|more| told(more), &mut keep)
+        })?;
+        if let Some(failure) = checkpoint.as_ref().and_then(Checkpoint::failure) {
+            watch.progress.say(&format!("warning: no checkpoint: {failure}"));
+        }
+        tables.push(table(scene, large, (&scheme, path), &found));
+        records.push(found);
+        if watch.stop.is_asked() {
+            break;
+        }
+    }
+    let means = super::run::means(scene, &tables);
+    Ok(Some(Results {
+        scheme,
+        because,
+        known: Known::default(),
+        tables,
+        study: None,
+        means,
+        check: None,
+        spectra: spectra(&records),
+        seconds: start.elapsed().as_secs_f64(),
+    }))
+}
+
+/// Writes the spins of a path at a time: [third, second axis, site of the cell, first axis, 3].
+fn snapshot(folder: &Path, name: &str, large: &Large, y: &[Row]) -> std::io::Result<()> {
+    let crystal = large.lattice.crystal();
+    let [x, y_cells, z] = crystal.shape.sizes();
+    let spins = (0..crystal.sites()).flat_map(|site| large.lattice.spin(y, site, 0)).collect();
+    let shape = vec![z, y_cells, crystal.materials.len(), x, 3];
+    let bytes = npz_bytes([("spins".to_owned(), shape, spins)])?;
+    files::write(&folder.join(format!("spins-{name}.npz")), bytes)
+}
+
+/// The table of a path: means of the lattice, and observables of them.
+fn table(scene: &Scene, large: &Large, (scheme, path): (&str, u64), record: &Record) -> TimeSeries {
+    let values: Vec<Vec<f64>> = record.means.iter().map(Large::values).collect();
+    let column = |name: &str, role, values: Vec<f64>| Column { name: name.into(), role, values };
+    let mut columns = vec![column("t", Role::Time, record.times.clone())];
+    for (k, name) in scene.components.iter().enumerate() {
+        let of = values.iter().map(|values| values[k]).collect();
+        columns.push(column(name, Role::Component, of));
+    }
+    let others = scene.observables.iter();
+    for phi in others.filter(|phi| !matches!(phi.quantity, Quantity::Component(_))) {
+        let value = |values: &Vec<f64>| {
+            let rows: Vec<Row> = values.iter().map(|value| [*value; WIDTH]).collect();
+            phi.values(&rows, PathMask::first(1))[0]
+        };
+        columns.push(column(&phi.name, Role::Observable, values.iter().map(value).collect()));
+    }
+    let problem = scene.model.problem();
+    let key = scene.settings.key;
+    TimeSeries {
+        system: large.lattice.crystal().cell.name.clone(),
+        damping: problem.describe_damping(),
+        scheme: scheme.into(),
+        tau: problem.t_end / scene.settings.steps as f64,
+        noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
+        halted: record.halted.clone(),
+        columns,
+    }
+}
+
+/// Correlations and structure factors along each axis, [path, time, distance or wave number], NaN
+/// after a path ended early.
+fn spectra(records: &[Record]) -> Vec<Array> {
+    let Some(longest) = records.iter().max_by_key(|record| record.at.len()) else {
+        return Vec::new();
+    };
+    let times = longest.at.len();
+    let mut arrays = vec![list("t of spectra", longest.at.clone())];
+    let Some(first) = longest.spectra.first() else { return arrays };
+    let mut add = |name: String, each: usize, of: &dyn Fn(&Spectra) -> &[f64]| {
+        let row = |record: &Record| {
+            let mut all: Vec<f64> =
+                record.spectra.iter().flat_map(|one| of(one).to_vec()).collect();
+            all.resize(times * each, f64::NAN);
+            all
+        };
+        let values = records.iter().flat_map(row).collect();
+        arrays.push((name, vec![records.len(), times, each], values));
+    };
+    for axis in 0..first.correlations.len() {
+        let number = axis + 1;
+        let each = first.correlations[axis].len();
+        add(format!("correlation {number}"), each, &|of| &of.correlations[axis]);
+        let each = first.structures[axis].len();
+        add(format!("structure {number}"), each, &|of| &of.structures[axis]);
+    }
+    arrays
+}
