@@ -57,7 +57,9 @@ pub fn compute(
     for path in 0..settings.paths {
         let problem = large.path(path)?;
         let of_path = if settings.paths > 1 { format!("path {path}") } else { "path".into() };
-        let name = format!("{}-{path}", &hash(&prefix)[..8]);
+        let of_sweep =
+            if prefix.is_empty() { String::new() } else { hash(&prefix)[..8].to_owned() + "-" };
+        let name = format!("{of_sweep}{path}");
         let checkpoint = job.checkpoint(&name);
         let (truncation, key) = (settings.truncation, settings.key);
         let one = LargePath::new(&problem, &*built_in, settings.steps, truncation, key, path)

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{StepCheck, checked_paths, step_check},
-    mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
+    analysis::{StepCheck, block_starts, checked_paths, is_by_blocks, step_check},
+    mc::{Observe, Role, RunError, Setup, Simulation, TimeSeries, parts::Job},
     stats::Warning,
     study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
 };
@@ -241,24 +241,41 @@ impl<'a> Ready<'a> {
             let (what, cost) = (format!("{prefix}paths"), settings.paths.saturating_mul(steps));
             study = watch.under(&what, cost, |told| of_all.telling(told).run_in(job, "study"));
         }
+        let tables_of = |simulation: Simulation<'_>| {
+            let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
+            let paths = |told: &(dyn Fn(u64) + Sync)| {
+                let mut simulation = simulation;
+                simulation.told = Box::new(told);
+                simulation.paths(steps, key, 0..settings.tables)
+            };
+            watch.under(&what, cost, paths).map_err(wrong)
+        };
+        // Blocks of time begin at the states of path 0.
+        let by_blocks = !scene.collects() && is_by_blocks(settings.paths, steps, &setup.problem);
+        let (tables, simulation) = match by_blocks {
+            true => (tables_of(simulation)?, None),
+            false => (Vec::new(), Some(simulation)),
+        };
+        let columns = tables.first().map(|table| table.columns.iter());
+        let columns = columns.map(|all| all.filter(|column| column.role == Role::Component));
+        let starts = columns.map(|all| all.map(|column| &column.values[..]).collect::<Vec<_>>());
+        let starts = starts.filter(|_| !watch.stop.is_asked()).map(|all| block_starts(&all));
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let (what, cost) = (format!("{prefix}step errors"), steps.saturating_mul(3 * checked));
         let check = watch.under(&what, cost, |told| {
             let fastest = model.fastest();
-            step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, told))
+            let of = (steps, checked, starts.as_deref());
+            step_check(&setup, &phi, of, fastest, (truncation, key), (job, told))
         });
         let check = check.map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
-        let paths = |told: &(dyn Fn(u64) + Sync)| {
-            let mut simulation = simulation;
-            simulation.told = Box::new(told);
-            simulation.paths(steps, key, 0..settings.tables)
+        let tables = match simulation {
+            Some(simulation) => tables_of(simulation)?,
+            None => tables,
         };
-        let tables = watch.under(&what, cost, paths).map_err(wrong)?;
         let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
         let spectra = Vec::new();

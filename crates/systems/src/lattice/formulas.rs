@@ -87,10 +87,10 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
             Op::Gradient { y } => on_each!(|group, rows| {
                 let (spins, exchange) =
                     (at(&y[tile.clone()], rows), layout.exchange(first + group, y));
-                let noise =
-                    if local { at(&h.dw[tile.clone()], rows) } else { [h.dw[0], h.dw[1], h.dw[2]] };
+                let begin = if local { tile.start } else { 0 };
+                let noise = if local { rows } else { [0, 1, 2] }.map(|row| &h.dw[begin + row]);
                 let of = layout.materials(first + group);
-                gradient(of, damped, spins, [exchange, field_of(field, group), noise], h.dt)
+                gradient(of, damped, spins, &exchange, [field_of(field, group), noise], h.dt)
             }),
             Op::Hessian { y, u } => on_each!(|group, rows| {
                 let states = [y, u].map(|y| at(&y[tile.clone()], rows));
@@ -116,9 +116,9 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
 
 /// Rows of the field on a group, of those of a tile or of a constant field.
 #[inline(always)]
-fn field_of(field: &[Row], group: usize) -> Spins {
+fn field_of(field: &[Row], group: usize) -> [&Row; 3] {
     let begin = if field.len() == 3 { 0 } else { 3 * group };
-    at(field, [begin, begin + 1, begin + 2])
+    [0, 1, 2].map(|c| &field[begin + c])
 }
 
 /// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
@@ -189,14 +189,15 @@ fn gradient(
     of: &MaterialRows,
     damped: bool,
     spins: Spins,
-    [exchange, field, noise]: [Spins; 3],
+    exchange: &Spins,
+    [field, noise]: [[&Row; 3]; 2],
     dt: f64,
 ) -> Spins {
     let [mut x, mut y, mut z] = spins;
     for p in 0..WIDTH {
-        let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
-        let acts = [lane(&field), lane(&noise)];
-        let v = at_spin(of, damped, p, [x[p], y[p], z[p]], lane(&exchange), acts, dt);
+        let lane = |rows: [&Row; 3]| [rows[0][p], rows[1][p], rows[2][p]];
+        let (sum, acts) = (lane(exchange.each_ref()), [lane(field), lane(noise)]);
+        let v = at_spin(of, damped, p, [x[p], y[p], z[p]], sum, acts, dt);
         (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
     }
     [x, y, z]
@@ -209,7 +210,7 @@ fn hessian(
     damped: bool,
     [spins, along]: [Spins; 2],
     exchanges: [Spins; 2],
-    field: Spins,
+    field: [&Row; 3],
     dt: f64,
 ) -> Spins {
     let [mut x, mut y, mut z] = spins;
@@ -217,7 +218,7 @@ fn hessian(
         let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
         let s = real::along([x[p], y[p], z[p]], lane(&along));
         let exchange = real::along(lane(&exchanges[0]), lane(&exchanges[1]));
-        let acts = [lane(&field), [0.0; 3]];
+        let acts = [field.map(|row| row[p]), [0.0; 3]];
         let v = derivatives(at_spin(of, damped, p, s, exchange, acts, dt));
         (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
     }

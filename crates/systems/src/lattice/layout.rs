@@ -238,8 +238,8 @@ impl SpinRows for OnePath<'_> {
     fn exchange(self, number: usize, y: &[Row]) -> Spins {
         let mut field = [[0.0; WIDTH]; 3];
         let first = (number * WIDTH) as isize;
-        for (coupling, neighbours) in &self.0.patterns[self.0.of_group[number] as usize].neighbours
-        {
+        let all = &self.0.patterns[self.0.of_group[number] as usize].neighbours[..];
+        for (coupling, neighbours) in all {
             let mut sum = [[0.0; WIDTH]; 3];
             for &(far, lanes) in neighbours {
                 if lanes == u32::MAX {
@@ -260,6 +260,11 @@ impl SpinRows for OnePath<'_> {
                         sum[c][p] += spins[c][p] * weights[p];
                     }
                 }
+            }
+            // The sum is not kept beside the field where it is all of it.
+            if let (&(exchange, [0.0, 0.0, 0.0]), [_]) = (coupling, all) {
+                sum.as_flattened_mut().iter_mut().for_each(|s| *s *= exchange);
+                return sum;
             }
             couple(*coupling, &sum, &mut field);
         }
