@@ -121,6 +121,10 @@ impl Scene {
         };
         let model::Built { model, components, sizes, names, energy, quantities } =
             model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
+        if let (None, (_, Some(place))) = (model.large(), &settings.snapshots) {
+            let words = "snapshots are of up to 99 paths of a `spin-lattice` of at least";
+            refuse!(place.clone(), "{words} {} spins", model::MANY_SITES);
+        }
         let y0 = model.problem().y0;
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());

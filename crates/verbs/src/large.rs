@@ -3,22 +3,22 @@
 use std::{path::Path, time::Instant};
 
 use casimir::{
-    lattice::{Follow, LargePath, Record, Spectra},
+    lattice::{Follow, LargePath, Record},
     mc::{
-        Checkpoint, Column, NoiseOrigin, Observe, Role, TimeSeries, files,
+        Checkpoint, files,
         parts::{Job, hash},
     },
-    real::{PathMask, Row, WIDTH},
+    real::Row,
     schemes::BuiltIn,
 };
 
 use super::{Results, Settled, Watch};
 use crate::{
     failure::{Done, Failure},
-    output::{Array, list, npz_bytes},
+    output::npz_bytes,
 };
 use scenes::{
-    Combination, Quantity, Scene,
+    Combination, Scene,
     model::{Known, Large},
 };
 
@@ -77,7 +77,7 @@ pub fn compute(
         if let Some(failure) = checkpoint.as_ref().and_then(Checkpoint::failure) {
             watch.progress.say(&format!("warning: no checkpoint: {failure}"));
         }
-        tables.push(table(scene, large, (&scheme, path), &found));
+        tables.push(large.table(scene, (&scheme, path), &found));
         records.push(found);
         if watch.stop.is_asked() {
             break;
@@ -92,7 +92,7 @@ pub fn compute(
         study: None,
         means,
         check: None,
-        spectra: spectra(&records),
+        spectra: Record::spectra_of(&records),
         seconds: start.elapsed().as_secs_f64(),
     }))
 }
@@ -105,63 +105,4 @@ fn snapshot(folder: &Path, name: &str, large: &Large, y: &[Row]) -> std::io::Res
     let shape = vec![z, y_cells, crystal.materials.len(), x, 3];
     let bytes = npz_bytes([("spins".to_owned(), shape, spins)])?;
     files::write(&folder.join(format!("spins-{name}.npz")), bytes)
-}
-
-/// The table of a path: means of the lattice, and observables of them.
-fn table(scene: &Scene, large: &Large, (scheme, path): (&str, u64), record: &Record) -> TimeSeries {
-    let values: Vec<Vec<f64>> = record.means.iter().map(Large::values).collect();
-    let column = |name: &str, role, values: Vec<f64>| Column { name: name.into(), role, values };
-    let mut columns = vec![column("t", Role::Time, record.times.clone())];
-    for (k, name) in scene.components.iter().enumerate() {
-        let of = values.iter().map(|values| values[k]).collect();
-        columns.push(column(name, Role::Component, of));
-    }
-    let others = scene.observables.iter();
-    for phi in others.filter(|phi| !matches!(phi.quantity, Quantity::Component(_))) {
-        let value = |values: &Vec<f64>| {
-            let rows: Vec<Row> = values.iter().map(|value| [*value; WIDTH]).collect();
-            phi.values(&rows, PathMask::first(1))[0]
-        };
-        columns.push(column(&phi.name, Role::Observable, values.iter().map(value).collect()));
-    }
-    let problem = scene.model.problem();
-    let key = scene.settings.key;
-    TimeSeries {
-        system: large.lattice.crystal().cell.name.clone(),
-        damping: problem.describe_damping(),
-        scheme: scheme.into(),
-        tau: problem.t_end / scene.settings.steps as f64,
-        noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
-        halted: record.halted.clone(),
-        columns,
-    }
-}
-
-/// Correlations and structure factors along each axis, [path, time, distance or wave number], NaN
-/// after a path ended early.
-fn spectra(records: &[Record]) -> Vec<Array> {
-    let Some(longest) = records.iter().max_by_key(|record| record.at.len()) else {
-        return Vec::new();
-    };
-    let times = longest.at.len();
-    let mut arrays = vec![list("t of spectra", longest.at.clone())];
-    let Some(first) = longest.spectra.first() else { return arrays };
-    let mut add = |name: String, each: usize, of: &dyn Fn(&Spectra) -> &[f64]| {
-        let row = |record: &Record| {
-            let mut all: Vec<f64> =
-                record.spectra.iter().flat_map(|one| of(one).to_vec()).collect();
-            all.resize(times * each, f64::NAN);
-            all
-        };
-        let values = records.iter().flat_map(row).collect();
-        arrays.push((name, vec![records.len(), times, each], values));
-    };
-    for axis in 0..first.correlations.len() {
-        let number = axis + 1;
-        let each = first.correlations[axis].len();
-        add(format!("correlation {number}"), each, &|of| &of.correlations[axis]);
-        let each = first.structures[axis].len();
-        add(format!("structure {number}"), each, &|of| &of.structures[axis]);
-    }
-    arrays
 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use casimir::{
     expectation::Expect,
-    lattice::Means,
-    mc::{Coefficients, Friction, Problem},
-    real::Rows,
+    lattice::{Means, Record},
+    mc::{Coefficients, Column, Friction, NoiseOrigin, Observe, Problem, Role, TimeSeries},
+    real::{PathMask, Row, Rows, WIDTH},
     schemes::{BuiltIn, Method, SchemeError},
     systems::{
         Damping, SystemError,
@@ -16,7 +16,7 @@ use casimir::{
 };
 
 use super::{Built, Model, damping::damping, lattice::Start, project::numbered};
-use crate::{Further, Observable, Quantity, Read, Reading, Settings, refuse};
+use crate::{Further, Observable, Quantity, Read, Reading, Scene, Settings, refuse};
 
 /// A large lattice. Its components are means: the mean spin, the energy per spin, and the mean spin
 /// of each site of a cell with several.
@@ -80,6 +80,38 @@ impl Large {
         let (settings, lattice) = (&self.settings, Arc::clone(&self.lattice));
         let y0 = self.start.of_path(settings.key, path);
         run_time::Problem::new(lattice, Arc::clone(&self.damping), y0, settings.until)
+    }
+
+    /// The table of a path: means of the lattice, and observables of them.
+    #[must_use]
+    pub fn table(&self, scene: &Scene, (scheme, path): (&str, u64), record: &Record) -> TimeSeries {
+        let values: Vec<Vec<f64>> = record.means.iter().map(Self::values).collect();
+        let column =
+            |name: &str, role, values: Vec<f64>| Column { name: name.into(), role, values };
+        let mut columns = vec![column("t", Role::Time, record.times.clone())];
+        for (k, name) in scene.components.iter().enumerate() {
+            let of = values.iter().map(|values| values[k]).collect();
+            columns.push(column(name, Role::Component, of));
+        }
+        let others = scene.observables.iter();
+        for phi in others.filter(|phi| !matches!(phi.quantity, Quantity::Component(_))) {
+            let value = |values: &Vec<f64>| {
+                let rows: Vec<Row> = values.iter().map(|value| [*value; WIDTH]).collect();
+                phi.values(&rows, PathMask::first(1))[0]
+            };
+            columns.push(column(&phi.name, Role::Observable, values.iter().map(value).collect()));
+        }
+        let problem = self.problem();
+        let key = self.settings.key;
+        TimeSeries {
+            system: self.lattice.crystal().cell.name.clone(),
+            damping: problem.describe_damping(),
+            scheme: scheme.into(),
+            tau: problem.t_end / self.settings.steps as f64,
+            noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
+            halted: record.halted.clone(),
+            columns,
+        }
     }
 
     /// Reason why other commands do not take it.

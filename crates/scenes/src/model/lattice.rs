@@ -28,7 +28,7 @@ pub const PARAMETERS: &str = "sizes, periodic, lattice, exchange, next, dmi, int
 /// Bytes that a site takes where it is simulated or inspected, and on one large path.
 const SITE: [f64; 2] = [1.5e4, 400.0];
 /// Sites from which a few paths are computed one after the other, each on all threads.
-const MANY_SITES: usize = 1 << 15;
+pub const MANY_SITES: usize = 1 << 15;
 /// Relative tolerance for the lengths of spins.
 const ROUNDING: f64 = 1e-9;
 
@@ -96,8 +96,9 @@ fn each(reading: &Reading<'_>, name: &str, default: f64, count: usize) -> Read<V
         [one] => Ok(vec![*one; count]),
         all if all.len() == count => Ok(all.to_vec()),
         all => {
-            let given = all.len();
-            refuse!(reading.place(name), "`{name}` has 1 or {count} numbers here, got {given}")
+            let (given, each) =
+                (all.len(), if count > 1 { format!(" or {count}") } else { String::new() });
+            refuse!(reading.place(name), "`{name}` takes 1{each} numbers here, got {given}")
         }
     }
 }
@@ -276,10 +277,6 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let (sites, settings) = (crystal.sites(), reading.settings);
     let is_large = sites >= MANY_SITES && !settings.is_study();
     fits(reading, sites, SITE[usize::from(is_large)])?;
-    if let (false, Some(place)) = (is_large, &settings.snapshots.1) {
-        let words = "snapshots are of up to 99 paths of a lattice";
-        refuse!(place.clone(), "{words} of at least {MANY_SITES} spins, here are {sites}");
-    }
     let start = Start {
         moments: each(reading, "moment", 1.0, each_cell)?,
         crystal: Arc::clone(&crystal),

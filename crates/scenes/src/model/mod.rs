@@ -29,6 +29,7 @@ use casimir::{
 use crate::{Further, Observable, Read, Reading};
 
 pub use large::Large;
+pub use lattice::MANY_SITES;
 pub use matrix::Grid;
 
 pub use project::PROJECT;

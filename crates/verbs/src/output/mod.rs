@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use steps::{step_cell, step_errors};
 
 pub use figures::{Figure, Section, distinct};
-pub use npz::{Array, bytes as npz_bytes, list};
+pub use npz::{Array, bytes as npz_bytes};
 pub use steps::step_lines;
 
 use crate::{Outcomes, Results, failure::Done, lines_of};
