@@ -113,7 +113,7 @@ fn many_spins_are_for_run_alone() {
         let words = "33792 spins are computed as one path on all threads, by `run` alone";
         fails(folder.path(), &[verb, "scene.toml"], 2, &[words]);
     }
-    let words = ["has no parts"];
+    let words = ["a few paths are not divided"];
     let plan = ["plan", "scene.toml", "--parts", "2", "--out", "parts"];
     fails(folder.path(), &plan, 2, &words);
     let integral = many(40).replace("\"sqrt(", "\"integral(mx)\"\nn = \"sqrt(");
