@@ -9,33 +9,39 @@ dy = (B(y)∇H0(y) − γ(t) y) dt + Σ B(y)∇Hm(y) ∘ dWm in the sense of Str
 """
 
 from ._core import __version__
+from ._doctor import doctor
 from ._errors import RunError, SceneError
-from ._referee import Level, Referee, Report, Seeds, one_step, verify_seeds
-from ._results import (
+from ._estimates import (
     Comparison,
     Estimate,
+    Estimates,
     Expectation,
-    Figure,
+    ExpectationSweep,
     Fit,
     Inspection,
     Order,
-    Run,
-    Statistics,
-    Warning,
-    citation,
 )
+from ._parts import Part, PartResult, merge
+from ._referee import Level, Referee, Report, Seeds, one_step, verify_seeds
+from ._results import Figure, Warning, citation
+from ._run import Histogram, Run, Statistics, load
 from ._scene import Scene, Sweep, scene, scenes, sweep
 from ._system import System
 
 __all__ = [
     "Comparison",
     "Estimate",
+    "Estimates",
     "Expectation",
+    "ExpectationSweep",
     "Figure",
     "Fit",
+    "Histogram",
     "Inspection",
     "Level",
     "Order",
+    "Part",
+    "PartResult",
     "Referee",
     "Report",
     "Run",
@@ -49,6 +55,9 @@ __all__ = [
     "Warning",
     "__version__",
     "citation",
+    "doctor",
+    "load",
+    "merge",
     "one_step",
     "scene",
     "scenes",

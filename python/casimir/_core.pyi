@@ -13,13 +13,17 @@ __all__ = [
     "changed",
     "check",
     "citation",
+    "doctor",
     "judge",
+    "main",
     "run",
     "scene",
     "scenes",
     "schema",
+    "settle",
     "single_steps",
     "solver_noise",
+    "student",
 ]
 
 __version__: str
@@ -37,6 +41,8 @@ class _How(Protocol):
     def threads(self) -> int | None: ...
     @property
     def show(self) -> Callable[[str], None] | None: ...
+    @property
+    def folder(self) -> str | None: ...
 
 class _Found(TypedDict):
     text: str
@@ -48,7 +54,11 @@ class _Found(TypedDict):
     interrupted: bool
 
 def check(given: _Given) -> str: ...
-def run(given: _Given, independent: bool, how: _How) -> _Found: ...
+
+_Part = tuple[tuple[int, int], str]
+
+def run(given: _Given, independent: bool, how: _How, part: _Part | None = None) -> _Found: ...
+def settle(given: _Given, independent: bool) -> str: ...
 def call(verb: str, given: _Given, options: str, how: _How) -> _Found: ...
 _Sizes = tuple[int | None, int, int]
 _States = NDArray[np.float64]
@@ -67,6 +77,9 @@ def judge(
     said: tuple[float | None, float | None, bool, bool],
     how: _How,
 ) -> _Found: ...
+def main(program: str, arguments: Sequence[str]) -> int: ...
+def doctor() -> tuple[str, bool]: ...
+def student(degrees: float) -> float: ...
 def citation(result: str | None) -> str: ...
 def scenes() -> list[str]: ...
 def scene(name: str) -> str: ...

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
+from ._errors import SceneError
 from ._formulas import whole
 
 # Most threads that may be asked for, and that are started for each processor: more only wait for
@@ -19,13 +20,16 @@ class How(NamedTuple):
 
     threads: int | None
     show: Callable[[str], None] | None
+    folder: str | None
 
 
-def how(threads: int | None, progress: bool) -> How:
-    """Threads, and what shows progress."""
+def how(threads: int | None, progress: bool, folder: str | os.PathLike[str] | None = None) -> How:
+    """Threads, what shows progress, and a folder for unfinished work."""
+    if folder is not None and not isinstance(folder, (str, os.PathLike)):
+        raise SceneError(f"`resume` is the name of a folder, got {type(folder).__name__}")
     if threads is not None:
         threads = min(whole("threads", threads, 1, _MOST_THREADS), _EACH * (os.cpu_count() or 1))
-    return How(threads, _shown() if progress else None)
+    return How(threads, _shown() if progress else None, None if folder is None else os.fspath(folder))
 
 
 def _shown() -> Callable[[str], None] | None:

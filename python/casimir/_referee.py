@@ -14,7 +14,7 @@ from . import _core
 from ._errors import SceneError
 from ._formulas import finite, whole
 from ._progress import how
-from ._results import Result
+from ._estimates import Measured
 from ._scene import Scene
 from ._system import System
 
@@ -46,7 +46,7 @@ class Level:
         return f"Level: {self.steps} steps of {self.dt:g} on {len(self.y0)} {paths}{again}"
 
 
-class Report(Result):
+class Report(Measured):
     """What the states of a solver show: printed as text, ``data`` as JSON, ``figures``."""
 
     @property

@@ -5,23 +5,49 @@ from __future__ import annotations
 import csv
 import difflib
 import functools
+import html
+import inspect
 import io
+import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from ._changes import (
+    OPTIONS,
+    Changes,
+    ChangesBesideAccuracy,
+    ChangesBesideParameters,
+    EquilibriumArguments,
+    EquilibriumOptions,
+    ExpectArguments,
+    ExpectOptions,
+    HowArguments,
+    LyapunovArguments,
+    LyapunovOptions,
+    explicit,
+)
 from ._errors import SceneError
+from ._estimates import Comparison, Expectation, ExpectationSweep, Fit, Inspection, Order
 from ._formulas import finite, plain, whole
+from ._parts import Part, derived, divided
 from ._progress import How, how
-from ._results import Comparison, Expectation, Fit, Inspection, Order, Result, Run
+from ._results import Result
+from ._run import Run
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 R = TypeVar("R", bound=Result)
+
+# A folder for unfinished work.
+Folder = str | PathLike[str] | None
 
 # What a text names where an array of initial states goes with it; no file is read then.
 _STATES = "states.csv"
@@ -47,6 +73,7 @@ def _definition(entry: dict[str, Any]) -> str:
     return str(found[0]).rsplit("/", 1)[-1]
 
 
+@explicit
 class Scene:
     """A system with its initial value and what is wanted: the contents of a scene's file.
 
@@ -56,6 +83,13 @@ class Scene:
     """
 
     __slots__ = ("_about", "name", "states", "text")
+
+    name: str
+    """The name in messages: that of the file."""
+    text: str
+    """The text in TOML."""
+    states: NDArray[np.float64] | None
+    """The initial states [path, component], where an array was given."""
 
     def __init__(self, source: str | PathLike[str] | Mapping[str, Any]) -> None:
         if isinstance(source, Mapping):
@@ -109,7 +143,7 @@ class Scene:
             self._about = json.loads(_core.check(self))
         return self._about
 
-    def with_(self, **changes: Any) -> Scene:
+    def with_(self, **changes: Unpack[Changes]) -> Scene:
         """Another scene with some keys changed.
 
         Keys of ``[run]`` and ``[expect]`` go by their names, ``parameters`` are changed one by one,
@@ -212,20 +246,56 @@ class Scene:
         threads: int | None = None,
         progress: bool = True,
         raises: bool = False,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Run:
         """Simulates paths: tables of the first, statistics of all where they are 100 or more.
 
         Further arguments change the scene as :meth:`with_` does. Ctrl-C gives what is complete, and
         ``interrupted`` is true; with ``raises`` it raises ``KeyboardInterrupt`` instead. ``threads``
-        changes the time, and no bit of the results.
+        changes the time, and no bit of the results. ``resume`` is a folder for checkpoints: the same
+        call goes on from there after a kill, to the bits of an undisturbed run.
         """
         scene = self.with_(**changes) if changes else self
-        return scene._run(False, how(threads, progress), raises)
+        return scene._run(False, how(threads, progress, resume), raises)
 
     def _run(self, independent: bool, how: How, raises: bool) -> Run:
-        varied = {str(key): np.array(values) for key, values in self._check()["sweep"].items()}
-        return Run(self, _raising(_core.run(self, independent, how), raises), varied)
+        return Run(self, _raising(_core.run(self, independent, how), raises), self.varied)
+
+    @property
+    def varied(self) -> dict[str, NDArray[np.float64]]:
+        """The values of the parameters that ``[sweep]`` varies."""
+        return {str(key): np.array(values) for key, values in self._check()["sweep"].items()}
+
+    @overload
+    def parts(self, number: int, **changes: Unpack[Changes]) -> list[Part[Run]]: ...
+    @overload
+    def parts(
+        self, number: int, verb: Literal["expect"], **changes: Unpack[ExpectOptions]
+    ) -> list[Part[Expectation]]: ...
+    @overload
+    def parts(
+        self, number: int, verb: Literal["equilibrium"], **changes: Unpack[EquilibriumOptions]
+    ) -> list[Part[Expectation]]: ...
+    @overload
+    def parts(
+        self, number: int, verb: Literal["lyapunov"], **changes: Unpack[LyapunovOptions]
+    ) -> list[Part[Expectation]]: ...
+    def parts(self, number: int, verb: str = "run", **changes: Any) -> Any:
+        """A computation in parts, which have ``run()``, pickle, and need nothing from each other: for
+        the processes of any executor. :func:`merge` makes a result of theirs.
+
+        Merged runs have the bits of one run. ``"expect"``, ``"equilibrium"`` and ``"lyapunov"``, with
+        their arguments, are replicates with Student's interval over the parts.
+        """
+        if verb not in OPTIONS:
+            raise SceneError(f"parts are of {', '.join(OPTIONS)}, not of {verb!r}")
+        options = {name: changes.pop(name) for name in OPTIONS[verb] & changes.keys()}
+        if verb == "lyapunov":
+            default = inspect.signature(type(self).lyapunov).parameters["accuracy"].default
+            options.setdefault("accuracy", default)
+        scene = self.with_(**changes) if changes else self
+        return divided(scene, whole("number of parts", number, 1, 10**6), verb, options, False)
 
     # Verbs: the test `declared` of the program writes these methods.
     def inspect(
@@ -233,7 +303,7 @@ class Scene:
         *,
         threads: int | None = None,
         progress: bool = True,
-        **changes: Any,
+        **changes: Unpack[Changes],
     ) -> Inspection:
         """Inspects the system of a scene, whose scheme is not asked for."""
         options: Mapping[str, Any] = {}
@@ -246,7 +316,8 @@ class Scene:
         threads: int | None = None,
         progress: bool = True,
         raises: bool = False,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Expectation:
         """Expectations E[φ(y(T))] with 95 % intervals: ``expect(of=["y1"], accuracy=1e-4)``.
 
@@ -256,7 +327,7 @@ class Scene:
         options: Mapping[str, Any] = {
             "coarsest_steps": None if coarsest_steps is None else whole("coarsest_steps", coarsest_steps),
         }
-        return self._called(Expectation, "expect", options, changes, how(threads, progress), raises)
+        return self._called(Expectation, "expect", options, changes, how(threads, progress, resume), raises)
 
     def equilibrium(
         self,
@@ -266,7 +337,8 @@ class Scene:
         threads: int | None = None,
         progress: bool = True,
         raises: bool = False,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Expectation:
         """Averages over the stationary law with 95 % intervals that include the step error:
         ``equilibrium(of=["q^2"], accuracy=1e-3)``. Autocorrelation times, burn-in and histograms
@@ -280,7 +352,7 @@ class Scene:
             "chains": whole("chains", chains),
             "path_steps": whole("path_steps", path_steps),
         }
-        return self._called(Expectation, "equilibrium", options, changes, how(threads, progress), raises)
+        return self._called(Expectation, "equilibrium", options, changes, how(threads, progress, resume), raises)
 
     def lyapunov(
         self,
@@ -292,7 +364,8 @@ class Scene:
         threads: int | None = None,
         progress: bool = True,
         raises: bool = False,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[ChangesBesideAccuracy],
     ) -> Expectation:
         """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals.
 
@@ -310,7 +383,7 @@ class Scene:
             "count": whole("count", count),
             "path_steps": whole("path_steps", path_steps),
         }
-        return self._called(Expectation, "lyapunov", options, changes, how(threads, progress), raises)
+        return self._called(Expectation, "lyapunov", options, changes, how(threads, progress, resume), raises)
 
     def order(
         self,
@@ -318,7 +391,8 @@ class Scene:
         path_steps: float = 3e8,
         threads: int | None = None,
         progress: bool = True,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Order:
         """The strong and the weak order of the scheme of a scene.
 
@@ -327,7 +401,7 @@ class Scene:
         options: Mapping[str, Any] = {
             "path_steps": whole("path_steps", path_steps),
         }
-        return self._called(Order, "order", options, changes, how(threads, progress))
+        return self._called(Order, "order", options, changes, how(threads, progress, resume))
 
     def compare(
         self,
@@ -336,7 +410,8 @@ class Scene:
         error: float = 0.001,
         threads: int | None = None,
         progress: bool = True,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Comparison:
         """Error against cost of all schemes, and the cheapest one for an error of y(T).
 
@@ -348,7 +423,7 @@ class Scene:
             "budget": finite("budget", budget, above=0),
             "error": finite("error", error, above=0),
         }
-        return self._called(Comparison, "compare", options, changes, how(threads, progress))
+        return self._called(Comparison, "compare", options, changes, how(threads, progress, resume))
     # Verbs: the test `declared` of the program writes these methods.
 
     def fit(
@@ -359,7 +434,7 @@ class Scene:
         path_steps: float = 1e9,
         threads: int | None = None,
         progress: bool = True,
-        **changes: Any,
+        **changes: Unpack[ChangesBesideParameters],
     ) -> Fit:
         """Finds parameters from moments or samples: ``fit(frame, ["I1", "sigma"])``.
 
@@ -400,6 +475,10 @@ class Scene:
         paths = f"{about['paths']} {'path' if about['paths'] == 1 else 'paths'}"
         return f"Scene {self.title!r}: {shown}; {paths} to t = {about['until']:g} in {about['steps']} steps"
 
+    def _repr_html_(self) -> str:
+        text = html.escape(self.text)
+        return f"<details><summary>{html.escape(repr(self))}</summary><pre>{text}</pre></details>"
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Scene) or self.text != other.text:
             return False
@@ -409,10 +488,10 @@ class Scene:
         return hash(self.text)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.text, self.name, self.states)
+        return restored, (self.text, self.name, self.states)
 
 
-def _restored(text: str, name: str, states: NDArray[np.float64] | None) -> Scene:
+def restored(text: str, name: str, states: NDArray[np.float64] | None) -> Scene:
     scene = Scene.__new__(Scene)
     scene._set(text, name, states)
     return scene
@@ -470,8 +549,16 @@ def _raising(found: Any, raises: bool) -> Any:
     return found
 
 
+@explicit
 class Sweep:
     """A scene at every combination of values of its parameters; see :func:`sweep`."""
+
+    scene: Scene
+    """The scene."""
+    values: dict[str, NDArray[np.float64]]
+    """The values of each parameter."""
+    independent: bool
+    """Whether combinations have random numbers of their own."""
 
     def __init__(self, scene: Scene, independent: bool, values: Mapping[str, Sequence[float]]) -> None:
         if not isinstance(scene, Scene):
@@ -488,19 +575,73 @@ class Sweep:
         threads: int | None = None,
         progress: bool = True,
         raises: bool = False,
-        **changes: Any,
+        resume: Folder = None,
+        **changes: Unpack[Changes],
     ) -> Run:
         """Runs every combination. Arrays have an axis for each parameter, before that of time."""
+        scene = self._varied(dict(changes))
+        return scene._run(self.independent, how(threads, progress, resume), raises)
+
+    def parts(self, number: int, **changes: Unpack[Changes]) -> list[Part[Run]]:
+        """The run in parts, as :meth:`Scene.parts`: each has some paths of all combinations."""
+        scene = self._varied(dict(changes))
+        return divided(scene, whole("number of parts", number, 1, 10**6), "run", {}, self.independent)
+
+    def expect(self, **arguments: Unpack[ExpectArguments]) -> ExpectationSweep:
+        """Expectations at every combination, with the arguments of :meth:`Scene.expect`."""
+        return self._each("expect", dict(arguments))
+
+    def equilibrium(self, **arguments: Unpack[EquilibriumArguments]) -> ExpectationSweep:
+        """Averages over the stationary law, with the arguments of :meth:`Scene.equilibrium`."""
+        return self._each("equilibrium", dict(arguments))
+
+    def lyapunov(self, **arguments: Unpack[LyapunovArguments]) -> ExpectationSweep:
+        """Lyapunov exponents, with the arguments of :meth:`Scene.lyapunov`."""
+        return self._each("lyapunov", dict(arguments))
+
+    def _each(self, verb: str, arguments: dict[str, Any]) -> ExpectationSweep:
+        own = OPTIONS[verb] | HowArguments.__annotations__.keys()
+        given = {name: arguments.pop(name) for name in own & arguments.keys()}
+        folder = given.pop("resume", None)
+        scene = self._varied(arguments)
+        varied = scene.varied
+        scene = scene.with_(sweep=None)
+        found: list[Expectation | None] = []
+        for k, place in enumerate(itertools.product(*varied.values())):
+            values = dict(zip(varied, map(float, place), strict=True))
+            one = scene.with_(parameters=values)
+            if self.independent:
+                one = one.with_(seed=derived(int(one._check()["seed"]), k))
+            resume = folder if folder is None else Path(folder, f"combination-{k + 1}")
+            stopped = bool(found) and (found[-1] is None or found[-1].interrupted)
+            try:
+                found.append(None if stopped else getattr(one, verb)(**given, resume=resume))
+            except KeyboardInterrupt:
+                if given.get("raises") or not found:
+                    raise
+                found.append(None)
+        return ExpectationSweep(scene, varied, found)
+
+    def _varied(self, changes: dict[str, Any]) -> Scene:
         twice = set(changes.get("parameters") or ()) & set(self.values)
         if twice:
             raise SceneError(f"`{min(twice)}` is varied already: leave it out of `parameters`")
         sweep = {**(changes.pop("sweep", None) or {}), **self.values}
-        scene = self.scene.with_(**changes, sweep=sweep)
-        return scene._run(self.independent, how(threads, progress), raises)
+        return self.scene.with_(**changes, sweep=sweep)
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name}: {len(values)}" for name, values in self.values.items())
         return f"Sweep of {self.scene!r} over {numbers}"
+
+    def _repr_html_(self) -> str:
+        rows = ((name, ", ".join(f"{x:g}" for x in values)) for name, values in self.values.items())
+        cells = "".join(f"<tr><th>{html.escape(a)}</th><td>{b}</td></tr>" for a, b in rows)
+        return f"<table>{cells}</table>{self.scene._repr_html_()}"
+
+
+for _verb in ("expect", "equilibrium", "lyapunov"):
+    _signature = inspect.signature(getattr(Scene, _verb))
+    getattr(Sweep, _verb).__signature__ = _signature.replace(return_annotation="ExpectationSweep")
 
 
 def plain_values(name: str, values: Any) -> NDArray[np.float64]:

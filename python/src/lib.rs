@@ -5,13 +5,18 @@ mod calls;
 mod referee;
 mod toml;
 
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
+
 use ::scenes::{Changes, Scene, Source, Sweep, gallery};
-use casimir::mc::parts::Job;
+use casimir::mc::parts::{Job, JobError, Share, remove};
 use numpy::PyReadonlyArray2;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use serde_json::{Value, json};
 use verbs::{
-    self,
+    self, Settled, Watch,
     failure::{Done, Failure},
     output::arrays,
 };
@@ -36,11 +41,12 @@ impl Given<'_> {
     }
 }
 
-/// How a call is made: threads, and what shows progress.
+/// How a call is made: threads, what shows progress, and a folder for unfinished work.
 #[derive(FromPyObject)]
 struct How {
     threads: Option<usize>,
     show: Option<Py<PyAny>>,
+    folder: Option<PathBuf>,
 }
 
 /// What a scene has, as JSON.
@@ -69,22 +75,75 @@ fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
     found.map(|found| found.to_string()).map_err(|failure| calls::raised(py, &given.text, failure))
 }
 
-/// Runs a scene, at every combination of what is varied.
+/// The schemes of a scene at every combination, as JSON.
 #[pyfunction]
+fn settle(py: Python<'_>, given: Given<'_>, independent: bool) -> PyResult<String> {
+    let (source, changes) = (given.source(), Changes { independent, ..Changes::default() });
+    let found = py.detach(|| -> Done<String> {
+        let sweep = Sweep::new(&source, &changes)?;
+        Ok(serde_json::to_string(&verbs::settle(&sweep))?)
+    });
+    found.map_err(|failure| calls::raised(py, &given.text, failure))
+}
+
+/// A part of a run: its number and that of all parts, or none of all to merge them; and the schemes
+/// that were settled for all.
+type Part = ((u64, u64), String);
+
+/// The job of a run: here, with checkpoints in a folder, one part, or merging.
+fn job(sweep: &Sweep, folder: Option<&Path>, part: Option<&Part>, watch: &Watch) -> Done<Job> {
+    let program = |settled: &[Settled]| {
+        let schemes = settled.iter().map(|(scheme, _)| format!("scheme = {scheme}\n"));
+        verbs::program(sweep.scene(), &schemes.collect::<String>())
+    };
+    let job = match (folder, part) {
+        (None, _) => Job::here().giving_what_is_done(),
+        (Some(folder), None) => {
+            Job::part(folder, Share::WHOLE, program(&[]))?.giving_what_is_done()
+        }
+        (Some(folder), Some(((number, of), settled))) => {
+            let program = program(&serde_json::from_str::<Vec<Settled>>(settled)?);
+            match of {
+                0 => Job::merge(folder, program)?,
+                _ => Job::part(folder, Share::new(*number, *of)?, program)?,
+            }
+        }
+    };
+    Ok(job.stopped_by(&watch.stop))
+}
+
+/// Runs a scene, at every combination of what is varied: all of it, a part, or the merging of parts.
+#[pyfunction]
+#[pyo3(signature = (given, independent, how, part=None))]
 fn run<'py>(
     py: Python<'py>,
     given: Given<'py>,
     independent: bool,
     how: How,
+    part: Option<Part>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (source, changes) = (given.source(), Changes { independent, ..Changes::default() });
-    watched(py, &given.text, how.threads, how.show, true, move |watch| {
+    watched(py, &given.text, how.threads, how.show, part.is_none(), move |watch| {
         let sweep = Sweep::new(&source, &changes)?;
-        let ready = verbs::ready(&sweep, verbs::settle(&sweep))?;
-        let job = Job::here().stopped_by(&watch.stop).giving_what_is_done();
+        let settled = match &part {
+            Some((_, settled)) => serde_json::from_str(settled)?,
+            None => verbs::settle(&sweep),
+        };
+        let ready = verbs::ready(&sweep, settled)?;
+        let job = job(&sweep, how.folder.as_deref(), part.as_ref(), watch)?;
         let mut found = verbs::compute(&sweep, ready, &job, watch)?;
-        if watch.stop.is_asked() && found.are_empty() {
+        match job.finish() {
+            Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {}
+            finished => finished?,
+        }
+        if watch.stop.is_asked() && (part.is_some() || found.are_empty()) {
             return Err(Failure::Stopped("before the first path".into()));
+        }
+        if part.as_ref().is_some_and(|((_, of), _)| *of > 0) {
+            return Ok(Found::default());
+        }
+        if let (Some(folder), None, false) = (&how.folder, &part, watch.stop.is_asked()) {
+            remove(folder, Share::WHOLE)?;
         }
         found.check()?;
         let (json, figures) = (found.json(), found.figures());
@@ -108,9 +167,29 @@ fn call<'py>(
     let (source, gives_what_is_done) = (given.source(), verbs::is_of_samples(&verb));
     watched(py, &given.text, how.threads, how.show, gives_what_is_done, move |watch| {
         let scene = Scene::new(source, &Changes::default())?;
-        let common = verbs::call(&verb, &options, &scene, watch)?;
+        let common = verbs::call(&verb, &options, &scene, how.folder.as_deref(), watch)?;
         Ok(Found { common, ..Found::default() })
     })
+}
+
+/// Runs the program with the arguments of a command line; returns its exit code.
+#[pyfunction]
+fn main(py: Python<'_>, program: PathBuf, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| casimir_cli::run(program, arguments))
+}
+
+/// Facts about this machine, a self-test, and whether it holds.
+#[pyfunction]
+fn doctor(py: Python<'_>) -> PyResult<(String, bool)> {
+    let found = py.detach(|| verbs::doctor::self_test(verbs::doctor::EXPECTED));
+    let (text, holds) = found.map_err(|failure| calls::raised(py, "", failure))?;
+    Ok((verbs::doctor::facts(option_env!("CASIMIR_COMMIT")) + &text, holds))
+}
+
+/// Student's quantile of the 95 % interval.
+#[pyfunction]
+fn student(degrees: f64) -> f64 {
+    casimir::stats::two_sided(casimir::stats::CONFIDENCE, Some(degrees))
 }
 
 /// BibTeX of what a result used, given its JSON, or of all that may be cited.
@@ -147,7 +226,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(check, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
+    module.add_function(wrap_pyfunction!(settle, module)?)?;
     module.add_function(wrap_pyfunction!(call, module)?)?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(doctor, module)?)?;
+    module.add_function(wrap_pyfunction!(student, module)?)?;
     module.add_function(wrap_pyfunction!(citation, module)?)?;
     module.add_function(wrap_pyfunction!(gallery_scenes, module)?)?;
     module.add_function(wrap_pyfunction!(scene, module)?)?;

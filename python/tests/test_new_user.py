@@ -47,7 +47,7 @@ def test_wrong_numbers_are_refused_with_the_name_of_their_key(oscillator: casimi
         (lambda: system(damping={"rates": {"p": NAN}}), "damping.rates.p", "finite number"),
         (lambda: scene_of(H=None, damping=None, bath=bath), "bath.temperature", "positive, got -1"),
         (lambda: o.run(seed=-1), "run.seed", "`-1` is not a seed: a whole number from 0 to 1844"),
-        (lambda: o.run(seed=1.5), "run.seed", "is not a seed"),
+        (lambda: o.run(seed=1.5), "run.seed", "is not a seed"),  # type: ignore[arg-type]
         (lambda: o.run(seed=2**64), "run.seed", "is not a seed"),
         (lambda: o.run(seed=True), "run.seed", "is not a seed"),
         (lambda: o.run(threads=10**6), "threads", "from 1 to 1024, got 1000000"),
@@ -128,7 +128,7 @@ def test_spins_are_in_tables_of_pandas() -> None:
     pytest.importorskip("pandas")
     lattice = casimir.scene("spin-lattice")
     run = lattice.run(paths=2, until=0.01, steps=2, times=2, columns=["components"])
-    column = run.to_pandas()[run.scene.components[4]]
+    column = run.to_pandas("path")[run.scene.components[4]]
     assert np.array_equal(column.to_numpy().reshape(2, 3), run["spins"][:, :, 1, 1])
 
 

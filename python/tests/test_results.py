@@ -145,7 +145,7 @@ def test_files(oscillator: casimir.Scene, tmp_path: Path) -> None:
     run = oscillator.run(paths=120)
     run.save(tmp_path / "r.npz")
     with np.load(tmp_path / "r.npz") as arrays:
-        assert {key: arrays[key].tobytes() for key in arrays.files} == {
+        assert {key: arrays[key].tobytes() for key in arrays.files if key != "casimir"} == {
             key: array.tobytes() for key, array in run.arrays.items()
         }
     run.save(tmp_path / "r.html")

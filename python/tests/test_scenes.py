@@ -1,5 +1,6 @@
 """Scenes: from files, dictionaries and SymPy; changed; wrong."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -96,6 +97,19 @@ def test_an_equation_of_ito_is_compared() -> None:
     assert raised.value.key == "system.drift"
 
 
+def test_an_equation_may_be_all_there_is() -> None:
+    sympy = pytest.importorskip("sympy")
+    x, r = sympy.symbols("x r")
+    system = casimir.System([x], drift=[r * x], noise=[[x / 2]], calculus="ito", parameters={r: 0.5})
+    assert repr(system).startswith("System(x; drift = ['r*x'], noise = [['")
+    found = system.scene(initial=[1], until=1, steps=64).expect(of=["x"], accuracy=0.01)
+    assert abs(found["x"].value - math.exp(0.5)) < 2.5 * found["x"].half_width
+    wrong: list[dict[str, Any]] = [{"H0": "x"}, {"B": "canonical"}, {"drift": None}]
+    for changes in wrong:
+        with pytest.raises(casimir.SceneError, match="is missing"):
+            casimir.System("x", **{"drift": ["x"], **changes})
+
+
 def changed(table: str, key: str, value: Any) -> dict[str, Any]:
     tables: dict[str, Any] = {"system": dict(SYSTEM), "run": dict(RUN)}
     tables.setdefault(table, {})[key] = value
@@ -166,11 +180,11 @@ def test_columns_are_counted_in_letters() -> None:
 
 def test_wrong_arguments(oscillator: casimir.Scene) -> None:
     calls: list[tuple[Callable[[], object], str]] = [
-        (lambda: oscillator.run(step=4), "do you mean `steps`"),
+        (lambda: oscillator.run(step=4), "do you mean `steps`"),  # type: ignore[call-arg]
         (lambda: oscillator.run(threads=0), "from 1 to 1024, got 0"),
         (lambda: oscillator.run(initial=[[1.0, float("nan")]]), "finite"),
         (lambda: oscillator.run(initial=[[1.0], [2.0]]), "2 components"),
-        (lambda: oscillator.run(steps=object()), "has the type object"),
+        (lambda: oscillator.run(steps=object()), "has the type object"),  # type: ignore[arg-type]
         (lambda: oscillator.expect(accuracy=-1), "positive"),
         (lambda: oscillator.compare(error=0.0), "above 0, got 0"),
         (lambda: casimir.scene("rigid"), "no scene `rigid`"),
@@ -200,9 +214,9 @@ def test_what_a_new_user_tried(oscillator: casimir.Scene, tmp_path: Path) -> Non
         (lambda: casimir.sweep(oscillator, k=[1, 2]).run(parameters={"k": 5}), "varied already"),
         (lambda: oscillator.run(initial=np.array([[1j, 0]])), "complex"),
         (lambda: oscillator.run(threads="2"), "whole number"),  # type: ignore[arg-type]
-        (lambda: oscillator.with_(H0="q"), "write system="),
-        (lambda: oscillator.with_(observe=["q"]), "`observe` is a dictionary"),
-        (lambda: oscillator.with_(parameters=3), "`parameters` is a dictionary"),
+        (lambda: oscillator.with_(H0="q"), "write system="),  # type: ignore[call-arg]
+        (lambda: oscillator.with_(observe=["q"]), "`observe` is a dictionary"),  # type: ignore[arg-type]
+        (lambda: oscillator.with_(parameters=3), "`parameters` is a dictionary"),  # type: ignore[arg-type]
         (lambda: casimir.Scene(casimir.System("q p", "canonical", "q")), "call its .scene"),  # type: ignore[arg-type]
         (lambda: oscillator.run().plot("q").save(tmp_path / "q.png"), "written as .svg"),
     ]

@@ -32,7 +32,8 @@ casimir: plot analysis inspect stationary expectation study lattice mc stats for
     nonlin dgrad noise real
 keys: casimir
 scenes: keys casimir kernels matrix
-verbs: scenes fit casimir
+runs: scenes casimir
+verbs: runs scenes fit casimir
 cli: verbs scenes casimir
 verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real
 xtask:";

@@ -95,7 +95,8 @@ use std::{cell::Cell, sync::Arc};
 
 use noise::{Purpose, StreamKey, Truncation};
 use schemes::{
-    BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi, Sweep, run_time::Scheme as AtRunTime,
+    BuiltIn, Heun, Method, Midpoint, Nv, Scheme, SchemeError, Sexp, SexpLi, Sweep,
+    run_time::Scheme as AtRunTime,
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
@@ -262,6 +263,10 @@ impl<'a> Expect<'a> {
         let system = problem.system();
         let own = |scheme: Box<dyn AtRunTime>| Setup::at_run_time(problem, scheme);
         let nv = |sweep| own(Box::new(Nv { sweep })).ok().filter(|_| system.rest().is_none());
+        if system.description().plain {
+            let all = [own(Box::new(Heun))?.into(), own(Box::new(Midpoint))?.into()];
+            return Ok(Self::among(all.into()));
+        }
         let constant = system.description().linearity == Linearity::Constant;
         let first = match (nv(Sweep::Forward), nv(Sweep::Backward)) {
             (Some(setup), Some(backward)) => {

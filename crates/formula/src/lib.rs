@@ -63,4 +63,6 @@ pub use error::{FormulaError, excerpt};
 pub use formula::Formula;
 pub use names::{NameError, Names, nearest};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
-pub use system::{Bath, Coordinate, Definition, DefinitionError, FormulaSystem, Structure, Which};
+pub use system::{
+    Bath, Coordinate, Definition, DefinitionError, Equation, FormulaSystem, Structure, Which,
+};

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{
     casimirs::Casimirs,
+    fields::Fields,
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
     noises::Noises,
@@ -40,11 +41,15 @@ pub struct Inspection {
     pub structure: Structure,
     /// Findings on the Hamiltonians H₀, …, H_M.
     pub hamiltonians: Hamiltonians,
+    /// Findings on the fields of an equation without B and H, of which structure and Hamiltonians
+    /// say nothing; `None` of other systems.
+    pub fields: Option<Fields>,
     /// Findings on the noise fields.
     pub noise: Noises,
     /// The invariants that the system claims.
     pub invariants: Vec<ClaimedInvariant>,
-    /// The Casimirs of B; `None` where rows belong to one path of very many components.
+    /// The Casimirs of B, or the functions that all [fields](Self::fields) keep; `None` where rows
+    /// belong to one path of very many components.
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,

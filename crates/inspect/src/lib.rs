@@ -27,6 +27,9 @@
 //! - whether the noises commute;
 //! - which statements of the paper apply, which orders to expect, and a scheme to take.
 //!
+//! Of an equation without B and H it asks for neither, and says which functions drift and noises
+//! keep, and whether they keep volume.
+//!
 //! With an initial value it looks there and at the damping, too. A report prints as text and
 //! serializes as data.
 //!
@@ -38,6 +41,7 @@
 
 mod casimirs;
 pub mod facts;
+mod fields;
 mod hamiltonian;
 mod inspection;
 mod invariants;
@@ -61,6 +65,7 @@ use points::{Points, Sight};
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};
+pub use fields::Fields;
 pub use hamiltonian::Hamiltonians;
 pub use inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem};
 pub use invariants::ClaimedInvariant;
@@ -140,8 +145,13 @@ pub fn inspect(
     }
     let mut sight = Sight::new(probe, &points);
     check_finite(&mut sight)?;
-    let structure = Structure::of(&mut sight);
-    let hamiltonians = Hamiltonians::of(&mut sight);
+    let plain = description.plain;
+    let structure = if plain { Structure::default() } else { Structure::of(&mut sight) };
+    let hamiltonians = match plain {
+        true => Hamiltonians { silent: description.noises == 0, ..Hamiltonians::default() },
+        false => Hamiltonians::of(&mut sight),
+    };
+    let fields = plain.then(|| Fields::of(&mut sight));
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
     let searched = rows_of_paths && sight.probe.dimension() <= MAX_SEARCHED;
@@ -179,6 +189,7 @@ pub fn inspect(
         undecided: Vec::new(),
         structure,
         hamiltonians,
+        fields,
         noise,
         invariants,
         casimirs,
@@ -187,7 +198,9 @@ pub fn inspect(
     report.orders = theory::orders(&report, settings.areas, finite_rates);
     // The paper's equation has neither friction nor a bath.
     let is_theirs = uniform && !description.has_bath;
-    report.theorems = theory::theorems(&report, damped, is_theirs);
+    if !plain {
+        report.theorems = theory::theorems(&report, damped, is_theirs);
+    }
     report.recommended = theory::recommendations(&report, system, settings, damped);
     Ok(report.with_mistakes())
 }

@@ -38,7 +38,7 @@ impl Noises {
             false => vec![combination(), combination()],
         };
         let Sight { probe, points, states, matrices } = sight;
-        let d = probe.dimension();
+        let (d, plain) = (probe.dimension(), probe.description().plain);
         let slopes: Vec<Batch> = weights.iter().map(|h| probe.gradient(states, h)).collect();
         let fields: Vec<Batch> = slopes.iter().map(|dh| probe.structure(states, dh)).collect();
         let mut along =
@@ -64,7 +64,8 @@ impl Noises {
             let terms: Vec<Vec<Term>> = (0..states.len()).map(terms).collect();
             for (n, cluster) in terms.chunks(CLUSTER).enumerate() {
                 // ‖B‖‖∇h‖: a field may vanish to round-off.
-                let length = |m: usize| match matrices.get(n * CLUSTER) {
+                let b = matrices.get(n * CLUSTER).filter(|_| !plain);
+                let length = |m: usize| match b {
                     Some(b) => norm(&b.concat()) * norm(&slopes[m][n * CLUSTER]),
                     None => norm(&fields[m][n * CLUSTER]),
                 };

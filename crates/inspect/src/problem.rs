@@ -34,8 +34,7 @@ impl Bound {
             minimum: *minimum,
             casimir: Some(form.clone()),
         };
-        let shape = &hamiltonians.shapes[0];
-        let energy = shape.degree.zip(shape.minimum);
+        let energy = hamiltonians.shapes.first().and_then(|h0| h0.degree.zip(h0.minimum));
         let energy = energy.filter(|_| hamiltonians.proportional.holds());
         let energy = energy.map(|(degree, minimum)| Self { degree, minimum, casimir: None });
         let all = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);

@@ -4,6 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
+    fields::Fields,
     inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
     invariants::ClaimedInvariant,
     points::Region,
@@ -38,7 +39,11 @@ impl Inspection {
         let domain = if self.defined_everywhere { "" } else { " in its domain" };
         let head =
             format!("{system}: D = {dimension}, M = {noises}; {points} points with {region}");
-        let mut lines = vec![head + domain, row("B(y)", &self.structure)];
+        let mut lines = vec![head + domain];
+        match &self.fields {
+            None => lines.push(row("B(y)", &self.structure)),
+            Some(fields) => lines.extend(fields.lines(*noises)),
+        }
         let shapes = h.shapes.iter().enumerate();
         lines.extend(shapes.map(|(m, shape)| row(&format!("H{m}"), shape)));
         let not_exact = format!(
@@ -49,7 +54,7 @@ impl Inspection {
         if h.discrete_gradient.points > 0 {
             lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
         }
-        if *noises > 0 {
+        if *noises > 0 && self.fields.is_none() {
             lines
                 .push(row("noises", h.proportional.words("multiples of H0", "no multiples of H0")));
         }
@@ -58,7 +63,10 @@ impl Inspection {
             lines.push(row("", self.noise.commute.words(yes, no)));
         }
         if h.depend_on_time {
-            let words = "H depends on it, B does not: Casimirs are kept, energies are not";
+            let words = match self.fields {
+                None => "H depends on it, B does not: Casimirs are kept, energies are not",
+                Some(_) => "the fields depend on it",
+            };
             lines.push(row("time", format!("{words}; seen at t = {TIME}")));
         }
         let claims = self.invariants.iter().map(|invariant| {
@@ -73,7 +81,7 @@ impl Inspection {
         });
         lines.extend(some(claims));
         lines.extend(match &self.casimirs {
-            Some(casimirs) => casimirs.lines(),
+            Some(casimirs) => casimirs.lines(self.fields.is_some()),
             None => vec![row("Casimirs", "not searched in so large a system")],
         });
         if let Some(ProblemFindings { damping, integral, radius }) = &self.problem {
@@ -99,7 +107,9 @@ impl Inspection {
             };
             (*statement, applies.to_owned())
         });
-        lines.push("Statements of the paper".into());
+        if !self.theorems.is_empty() {
+            lines.push("Statements of the paper".into());
+        }
         lines.extend(grouped(applies));
         let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
             let known = if known.holds() { "" } else { " at least" };
@@ -139,23 +149,39 @@ fn some(lines: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 impl Casimirs {
-    fn lines(&self) -> Vec<String> {
+    fn lines(&self, plain: bool) -> Vec<String> {
         let Self { found, complete, definite, logarithmic } = self;
+        let (what, identity) = match plain {
+            true => ("Functions that all fields keep", "f·∇C"),
+            false => ("Casimirs of B", "B∇C"),
+        };
         let others = match (found.is_empty(), complete) {
             (true, true) => ": none",
             (false, true) => "",
             (_, false) => "; there may be others",
         };
         let line = |FoundCasimir { formula, minimum, casimir, .. }: &FoundCasimir| {
-            format!("    {formula}; m = {minimum}; B∇C = 0 {casimir}")
+            format!("    {formula}; m = {minimum}; {identity} = 0 {casimir}")
         };
-        let mut lines = vec![format!("  Casimirs of B, linear or quadratic{others}")];
+        let mut lines = vec![format!("  {what}, linear or quadratic{others}")];
         lines.extend(some(found.iter().map(line)));
         for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
             let formula = if found.len() > LISTED { "of all" } else { formula };
             lines.push(format!("    a positive definite sum: {formula}, m = {minimum}"));
         }
         lines.extend(logarithmic.iter().map(line));
+        lines
+    }
+}
+
+impl Fields {
+    fn lines(&self, noises: usize) -> Vec<String> {
+        let words = self.divergence.words("none, volume is kept", "of some field");
+        let mut lines = vec![row("∇·f", words)];
+        if noises > 0 {
+            let words = self.additive.words("additive", "multiplicative");
+            lines.push(row("noises", words));
+        }
         lines
     }
 }

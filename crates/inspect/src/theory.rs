@@ -5,6 +5,7 @@ use systems::{Linearity, run_time::System};
 
 use super::{
     InspectSettings,
+    casimirs::FoundCasimir,
     inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
 };
 use crate::facts::{Conserved, Status};
@@ -38,6 +39,7 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
     };
     let (commute, constant) = (noise.commute.holds(), !report.depends_on_time);
     let is_sound = |scheme: &BuiltIn| match scheme {
+        scheme if report.fields.is_some() => scheme.is_for_plain(),
         BuiltIn::Baoab => report.has_flows && commute,
         BuiltIn::SplitH => report.has_flows && commute && constant,
         BuiltIn::SexpH => commute && constant,
@@ -111,11 +113,13 @@ pub fn recommendations(
     // Which laws friction leaves is not looked at here.
     let sound = structure.sound() != Status::Fails && settings.friction.is_empty();
     let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
-    let found = casimirs.as_ref().map_or(claims, |casimirs| !casimirs.found.is_empty());
-    let lawful = hamiltonians.shapes[0].degree.is_some() || !damped;
+    let plain = report.fields.is_some();
+    let counts = |found: &FoundCasimir| !plain || found.form.degree == 2;
+    let found = casimirs.as_ref().map_or(claims, |casimirs| casimirs.found.iter().any(counts));
+    let lawful = hamiltonians.shapes.first().is_some_and(|h0| h0.degree.is_some()) || !damped;
     let kept = Conserved {
         casimirs: sound && found,
-        energy: sound && hamiltonians.proportional.holds() && lawful,
+        energy: sound && !plain && hamiltonians.proportional.holds() && lawful,
         areas: settings.areas && !noise.commute.holds(),
         noise: !hamiltonians.silent && report.noises > 0,
         damped: damped || !settings.friction.is_empty(),
@@ -124,12 +128,12 @@ pub fn recommendations(
     if !hamiltonians.discrete_gradient.holds() && ["sexp", "sexp-levy"].contains(&scheme) {
         because += "; the energy up to the error of ∇̄h";
     }
-    if casimirs.as_ref().is_some_and(|casimirs| !casimirs.logarithmic.is_empty()) {
+    if !plain && casimirs.as_ref().is_some_and(|casimirs| !casimirs.logarithmic.is_empty()) {
         because += "; split alone keeps the Casimir with logarithms";
     }
     let mut found = vec![Recommendation { purpose: "paths", scheme, because }];
     let linear = SexpLi::at_run_time(system).is_ok();
-    if !hamiltonians.silent && (linear || kept.areas) {
+    if !plain && !hamiltonians.silent && (linear || kept.areas) {
         // Without iteration a step is explicit where B is constant.
         let implicit = linear && system.description().linearity == Linearity::Affine;
         let scheme = if implicit { "sexp-li" } else { "sexp" };

@@ -48,7 +48,8 @@ pub struct SceneFile {
     pub sweep: IndexMap<At<String>, At<Values>>,
 }
 
-/// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
+/// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`; or `state`,
+/// `drift` and `noise` of an equation that has neither B nor H.
 #[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SystemTable {
@@ -72,8 +73,9 @@ pub struct SystemTable {
     pub noises: Option<At<Vec<At<Text>>>>,
     /// The sense of `drift` and `noise`. Default: `stratonovich`.
     pub calculus: Option<At<Calculus>>,
-    /// The drift of the whole equation, damping included, a formula for each component. It is
-    /// compared with B, H0 and the damping.
+    /// The drift, a formula for each component. Without B, H0 and H it is that of the system, and
+    /// damping comes besides; with them it is that of the whole equation, damping included, which
+    /// is compared with them.
     pub drift: Option<At<Vec<At<Text>>>>,
     /// The noise fields, a list of formulas for each noise, likewise.
     pub noise: Option<Vec<At<Vec<At<Text>>>>>,
@@ -136,7 +138,7 @@ pub struct RunTable {
     pub steps: At<Count>,
     /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`,
     /// `sexp-li`, `split`, `split-h`, `sexp-h`, `sexp-levy`, `sexp-li-levy`, `nv`, `baoab`,
-    /// `midpoint`, `heun` or `em`. Default: `auto`.
+    /// `midpoint`, `heun`, `heun-levy` or `em`. Default: `auto`.
     pub scheme: Option<At<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
     /// of all paths. Default: 1.

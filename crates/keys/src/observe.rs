@@ -105,12 +105,12 @@ pub enum Further {
 }
 
 impl Vocabulary {
-    /// Vocabulary with components, parameters, `H0` and `t`.
-    pub fn new(names: Names, energy: Further, y0: &[f64]) -> Self {
+    /// Vocabulary with components, parameters, `t`, and `H0` if there is one.
+    pub fn new(names: Names, energy: Option<Further>, y0: &[f64]) -> Self {
         let (further, start, collected) = (Vec::new(), y0.to_vec(), Vec::new());
         let mut vocabulary = Self { names, further, collected, start, dimension: y0.len() };
         vocabulary.add("t", Further::Time);
-        vocabulary.add("H0", energy);
+        energy.into_iter().for_each(|energy| vocabulary.add("H0", energy));
         vocabulary
     }
 

@@ -59,7 +59,7 @@ pub struct SchemeAndSeed {
     /// Seed of the random numbers, instead of that of the scene
     #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
     pub seed: Option<u64>,
-    /// A parameter of the scene; `run` and `plan` vary several values: a=0.1,0.2 or a=0:1:11
+    /// A parameter of the scene, with one value or several: a=0.1,0.2 or a=0:1:11
     #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]
     #[serde(default)]
     pub sets: Vec<Set>,

@@ -38,7 +38,7 @@ mod sweep;
 
 pub use figures::FigureSettings;
 pub use keys::*;
-pub use sweep::{Changed, Combination, Nearby, Sweep, Varied};
+pub use sweep::{Apart, Changed, Combination, Nearby, Sweep, Varied};
 
 use std::{fmt::Display, path::Path, sync::Arc};
 
@@ -129,7 +129,8 @@ impl Scene {
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
-        let energy = if description.depends_on_time { None } else { vocabulary.of(energy).ok() };
+        let energy = energy.filter(|_| !description.depends_on_time);
+        let energy = energy.and_then(|energy| vocabulary.of(energy).ok());
         let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);

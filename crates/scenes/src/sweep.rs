@@ -63,6 +63,16 @@ impl Combination {
     }
 }
 
+/// One combination as a scene of its own.
+pub struct Apart {
+    /// Label such as `sigma = 0.1, J = 2`; empty if nothing is varied.
+    pub label: String,
+    /// Parameters that are varied, with their values.
+    pub values: Vec<(String, f64)>,
+    /// The scene.
+    pub scene: Scene,
+}
+
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
 pub struct Sweep {
     /// Varied parameters: those of `[sweep]`, even with one value only, and of `--set` with
@@ -79,6 +89,31 @@ impl Sweep {
     /// [`SceneError`] like that of [`Scene::new`], or about the varied parameters.
     pub fn new(source: &Source, changes: &Changes) -> Result<Self, SceneError> {
         source.located(Self::of(source, changes))
+    }
+
+    /// The combinations as scenes of their own, for verbs of one scene.
+    ///
+    /// # Errors
+    /// Those of [`Sweep::new`].
+    pub fn apart(source: &Source, changes: &Changes) -> Result<Vec<Apart>, SceneError> {
+        let Self { varied, combinations } = Self::new(source, changes)?;
+        let apart = |(k, Combination { label, places, .. }): (usize, Combination)| {
+            let mut changes = changes.clone();
+            let sets = &mut changes.scheme.sets;
+            sets.retain(|set| varied.iter().all(|one| one.name != set.name));
+            let mut values = Vec::new();
+            for (one, place) in varied.iter().zip(places) {
+                values.push((one.name.clone(), one.values[place]));
+                let texts = vec![one.texts[place].clone()];
+                sets.push(Set { name: one.name.clone(), values: texts });
+            }
+            let mut scene = Scene::new(source.clone(), &changes)?;
+            if changes.independent {
+                scene.settings.key.experiment = k as u64;
+            }
+            Ok(Apart { label, values, scene })
+        };
+        combinations.into_iter().enumerate().map(apart).collect()
     }
 
     /// The scene of the first combination.
@@ -295,8 +330,7 @@ pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {
         if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
             refuse!(
                 one.place.clone(),
-                "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
-                 --set {name}={first}",
+                "`{name}` has {} values, and one is inspected: choose it by --set {name}={first}",
                 one.values.len()
             );
         }

@@ -1,8 +1,8 @@
 //! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
 use BuiltIn::{
-    Baoab, EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpH, SexpLevy, SexpLi, SexpLiLevy, Split,
-    SplitH,
+    Baoab, EulerMaruyama, Heun, HeunLevy, Midpoint, Nv, Sexp, SexpH, SexpLevy, SexpLi, SexpLiLevy,
+    Split, SplitH,
 };
 use systems::{Flows, PoissonSystem, run_time::System};
 
@@ -33,6 +33,8 @@ pub enum BuiltIn {
     Midpoint,
     /// [`Heun`](crate::Heun).
     Heun,
+    /// [`HeunLevy`](crate::HeunLevy).
+    HeunLevy,
     /// [`EulerMaruyama`](crate::EulerMaruyama).
     EulerMaruyama,
 }
@@ -95,7 +97,7 @@ pub enum Energy {
 
 impl BuiltIn {
     /// All built-in schemes.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Sexp,
         SexpLevy,
         SexpLi,
@@ -107,6 +109,7 @@ impl BuiltIn {
         Baoab,
         Midpoint,
         Heun,
+        HeunLevy,
         EulerMaruyama,
     ];
 
@@ -177,6 +180,7 @@ impl BuiltIn {
                 ..sexp
             },
             Heun => explicit,
+            HeunLevy => Properties { id: "heun-levy", strong: with_areas, ..explicit },
             EulerMaruyama => Properties {
                 id: "em",
                 strong: StrongOrder::Additive,
@@ -190,6 +194,13 @@ impl BuiltIn {
     #[must_use]
     pub fn is_for_areas(self) -> bool {
         self.properties().strong == StrongOrder::Areas
+    }
+
+    /// Whether the scheme uses fields alone, so that it is for equations [without B and
+    /// H](systems::run_time::Description::plain).
+    #[must_use]
+    pub fn is_for_plain(self) -> bool {
+        matches!(self, Midpoint | Heun | HeunLevy | EulerMaruyama)
     }
 
     /// Behaviour over long times, in words. `constant`: B does not depend on y.
@@ -231,7 +242,7 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            SexpH | Baoab => {
+            SexpH | Baoab | HeunLevy => {
                 let reason = "the scheme is for systems known at run time, such as formulas";
                 return Err(SchemeError::not_for(self.id(), system.name(), reason));
             }
@@ -269,6 +280,9 @@ impl BuiltIn {
         system: &dyn System,
     ) -> Result<Box<dyn run_time::Scheme>, SchemeError> {
         let description = system.description();
+        if description.plain && !self.is_for_plain() {
+            return Err(SchemeError::not_for(self.id(), &description.name, PLAIN));
+        }
         Ok(match (self, &description.parts) {
             (Sexp, _) => Box::new(crate::Sexp),
             (SexpLevy, _) => Box::new(crate::SexpLevy::at_run_time(system)?),
@@ -276,6 +290,8 @@ impl BuiltIn {
             (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
             (Midpoint, _) => Box::new(crate::Midpoint),
             (Heun, _) => Box::new(crate::Heun),
+            (HeunLevy, _) if description.noises_commute => Box::new(crate::HeunLevy::<false>),
+            (HeunLevy, _) => fits(crate::HeunLevy::<true>, system)?,
             (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),
             (Split, Ok(_)) => Box::new(crate::Split),
             (Nv, Ok(parts)) if parts.of_noise.len() == description.noises => {
@@ -294,6 +310,10 @@ impl BuiltIn {
         })
     }
 }
+
+/// Why a scheme is not for a [plain](systems::run_time::Description::plain) equation.
+pub(crate) const PLAIN: &str = "an equation of drift and noise alone has neither B nor H, from \
+                                which it is made: take heun, heun-levy, midpoint or em";
 
 /// Why a scheme is refused.
 pub const DO_NOT_COMMUTE: &str = "its noises do not commute; take nv";

@@ -41,6 +41,7 @@
 //! | [`SexpH`] | implicit, exponential, weak order 2 | 1.5 or 2, of noises that commute |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
+//! | [`HeunLevy`] | explicit, with Lévy areas | 1 / 1 |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
 //!
 //! A [`Method`] is a scheme on a system, of any dimension and with any number of noises.
@@ -53,6 +54,7 @@ mod em;
 mod error;
 mod formula;
 mod heun;
+mod heun_levy;
 mod increment;
 mod kernel;
 mod method;
@@ -75,6 +77,7 @@ pub use em::EulerMaruyama;
 pub use error::SchemeError;
 pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
+pub use heun_levy::HeunLevy;
 pub use increment::{Increment, Vector};
 pub use method::{About, Method, Stepper};
 pub use midpoint::Midpoint;

@@ -139,6 +139,19 @@ impl CentralMoments {
         (known && lo.is_finite() && hi.is_finite()).then_some((lo, hi))
     }
 
+    /// 95 % interval of the variance, (c s²) exp(± z c √((κ − (N − 3)/N)/(N − 1))) with z = 1.96
+    /// and c = N/(N − z) (Bonett, *Comput. Stat. Data Anal.* 50, 2006, with the plain kurtosis
+    /// κ). `None` with less than [`FEW_SAMPLES`](crate::FEW_SAMPLES)
+    /// [effective samples](Self::effective_samples).
+    pub fn variance_interval(&self) -> Option<(f64, f64)> {
+        let (n, z) = (self.count as f64, two_sided(CONFIDENCE, None));
+        let c = n / (n - z);
+        let half = z * c * ((self.kurtosis() - (n - 3.0) / n) / (n - 1.0)).sqrt();
+        let end = |log: f64| c * self.variance() * elementary::exp(log);
+        let known = self.effective_samples() >= crate::FEW_SAMPLES && half.is_finite();
+        known.then(|| (end(-half), end(half)))
+    }
+
     /// Effective number of samples that carry the variance, N/κ with the kurtosis κ; NaN for a
     /// constant. With fewer than [`FEW_SAMPLES`](crate::FEW_SAMPLES) the mean is not nearly normal.
     pub fn effective_samples(&self) -> f64 {

@@ -36,6 +36,9 @@ pub struct Summary {
     /// The sample variance; `None` with fewer than two values, if it is not a number of 64 bits, or
     /// if the law may have none.
     pub variance: Option<f64>,
+    /// The 95 % interval of the variance by
+    /// [`CentralMoments::variance_interval`](stats::CentralMoments::variance_interval).
+    pub variance_interval: Option<(f64, f64)>,
     /// The standard deviation.
     pub deviation: Option<f64>,
     /// The smallest value.
@@ -71,7 +74,12 @@ pub const STATISTICS: &[SummaryStatistic] = &[
         of: |point| point.mean,
         interval: Some(|point| point.mean_interval),
     },
-    alone("variance", None, |point| point.variance),
+    SummaryStatistic {
+        key: "variance",
+        title: None,
+        of: |point| point.variance,
+        interval: Some(|point| point.variance_interval),
+    },
     alone("deviation", Some("deviation"), |point| point.deviation),
     alone("least", None, |point| point.least),
     alone("largest", None, |point| point.largest),
@@ -299,6 +307,7 @@ impl Summary {
             mean: value,
             mean_interval: value.zip(value),
             variance: zero,
+            variance_interval: zero.zip(zero),
             deviation: zero,
             least: value,
             largest: value,
@@ -359,6 +368,10 @@ impl Summary {
             interval_note: (count > 0 && (mean_interval.is_none() || tail.is_heavy())).then(note),
             mean_interval,
             variance: finite(variance * unit * unit).filter(known),
+            variance_interval: moments
+                .variance_interval()
+                .filter(|_| !equal && tail.has_variance())
+                .map(|(lo, hi)| (lo * unit * unit, hi * unit * unit)),
             deviation: finite(variance.sqrt() * unit).filter(known),
             least,
             largest,
@@ -372,7 +385,8 @@ impl Summary {
         let interval =
             |mean: f64| proportion((mean * self.count as f64).round() as u64, self.count);
         let mean_interval = self.mean.map(interval);
-        Self { mean_interval, interval_note: None, histogram: None, ..self }
+        let variance_interval = None;
+        Self { mean_interval, variance_interval, interval_note: None, histogram: None, ..self }
     }
 }
 

@@ -56,11 +56,11 @@ impl Verb for Inspect {
         let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));
         let text = format!("{findings}\n{law}{}", further.unwrap_or_default());
         let text = with_names(&text, &scene.components);
-        let parts = system.description().parts.as_ref();
+        let (parts, plain) = (system.description().parts.as_ref(), system.description().plain);
         let flows = parts.map_or(&[][..], |parts| &parts.words);
         let of_flows = match (parts, flows) {
             // Schemes of compiled systems have flows of their own.
-            (Err(_), _) if known.equations.is_empty() => String::new(),
+            (Err(_), _) if known.equations.is_empty() || plain => String::new(),
             (Err(reason), _) => format!("\nNo flows, for split and nv: {reason}"),
             (Ok(parts), []) => format!("\nFlows, for split and nv: of {} parts", parts.number),
             (_, flows) => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
@@ -70,6 +70,10 @@ impl Verb for Inspect {
         let mut json = json!(findings);
         json["bath"] = json!(bath);
         json["flows"] = json!(flows);
+        if let (true, Some(of_plain)) = (plain, json.as_object_mut()) {
+            let of_others = ["structure", "hamiltonians", "bath", "flows", "theorems", "has_flows"];
+            of_plain.retain(|key, _| !of_others.contains(&&**key));
+        }
         Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
     }
 }

@@ -65,7 +65,8 @@ impl<'a> Candidates<'a> {
     ///
     /// The reference is [`SexpLevy`](schemes::SexpLevy); without areas it is
     /// [`Sexp`](schemes::Sexp), which is of strong order ½ as all other schemes are, and needs many
-    /// steps for an error that is small beside theirs; on matrices [`SexpLi`](schemes::SexpLi).
+    /// steps for an error that is small beside theirs; on matrices [`SexpLi`](schemes::SexpLi), and
+    /// of equations without B and H [`HeunLevy`](schemes::HeunLevy).
     ///
     /// # Errors
     /// Those of [`Sexp`](schemes::Sexp).
@@ -73,7 +74,10 @@ impl<'a> Candidates<'a> {
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
         let reference = bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp));
-        let explicit = |error| bind(BuiltIn::SexpLi).map_err(|_| error);
+        let explicit = |error| {
+            let levy = |_| bind(BuiltIn::HeunLevy).or_else(|_| bind(BuiltIn::Heun));
+            bind(BuiltIn::SexpLi).or_else(levy).map_err(|_| error)
+        };
         let mut all = Self::against(reference.or_else(explicit)?);
         for id in BuiltIn::ALL {
             match bind(id) {

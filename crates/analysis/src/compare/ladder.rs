@@ -12,7 +12,7 @@ use real::{
     Row, WIDTH,
     elementary::{exp2, log2},
 };
-use schemes::Method;
+use schemes::{BuiltIn, Method};
 use stats::{CrossMoments, root_mean_square_interval};
 
 use super::{
@@ -132,8 +132,13 @@ impl<'a> Climb<'a> {
             Some(Outcome::Inconsistent(defect)) => Some(Choice::WrongReference(defect)),
             _ => DriveResolution::new(problem).unresolved(sampled.steps).map(Choice::NotResolved),
         };
+        // An explicit reference is for equations without B and H, whose damping is always exact.
+        let explicit = BuiltIn::named(&sampled.reference).is_some_and(|of| of.is_explicit(false));
         let candidate = |one: Climber<'_>| {
-            Candidate::new(one.scheme.about().id, one.points, one.asked, one.excluded, damped)
+            let id = one.scheme.about().id;
+            let mut judged = Candidate::new(id, one.points, one.asked, one.excluded, damped);
+            judged.keeps.conformal &= !explicit;
+            judged
         };
         let candidates: Vec<Candidate> = all.into_iter().map(candidate).collect();
         Ok(Comparison {

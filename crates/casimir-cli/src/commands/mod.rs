@@ -19,7 +19,7 @@ use casimir::mc::{
     parts::{Job, Program, Share, Stop, limit_threads},
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use scenes::{Scene, SceneError, Source};
+use scenes::{SceneError, Source};
 use serde::Serialize;
 #[cfg(unix)]
 use signal_hook::{
@@ -57,13 +57,6 @@ fn source(file: &Path) -> Done<Source> {
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
     Ok(Source { name, text, states: None })
-}
-
-/// This program and what it computes of a scene, as files for unfinished work name it: with further
-/// lines of a command.
-fn program(scene: &Scene, further: &str) -> Program {
-    let (name, version) = ("casimir".into(), env!("CARGO_PKG_VERSION").into());
-    Program { name, version, input: scene.meaning() + further }
 }
 
 /// A job with checkpoints in a folder.
@@ -207,18 +200,22 @@ fn prepare(folder: &Path) -> Done {
 fn tell(found: &Found, folder: Option<&Path>, file: &str, json: bool) -> Done {
     // First, and whatever becomes of the files.
     let told = if json { print_json(&found.json) } else { print(&found.text) };
-    let mut written = String::new();
-    if let Some(folder) = folder {
-        files::prepare(folder)?;
-        files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
-        for figure in &found.figures {
-            let file = folder.join(format!("{}.svg", figure.file));
-            files::write(&file, &figure.svg)?;
-            written += &format!("figure: {}\n", file.display());
-        }
-    }
+    let written = folder.map_or(Ok(String::new()), |folder| store(found, folder, file))?;
     told?;
     if json { Ok(()) } else { print(&written) }
+}
+
+/// Writes figures and JSON into a folder; returns lines with the figures.
+fn store(found: &Found, folder: &Path, file: &str) -> Done<String> {
+    files::prepare(folder)?;
+    files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
+    let mut written = String::new();
+    for figure in &found.figures {
+        let file = folder.join(format!("{}.svg", figure.file));
+        files::write(&file, &figure.svg)?;
+        written += &format!("figure: {}\n", file.display());
+    }
+    Ok(written)
 }
 
 fn print_json(value: &impl Serialize) -> Done {

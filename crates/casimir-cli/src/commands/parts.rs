@@ -1,6 +1,6 @@
 //! `casimir plan`, `part`, `merge` and `extend`: a scene on many machines.
 
-use std::{env, fs, path::Path, time::Duration};
+use std::{fs, path::Path, time::Duration};
 
 use casimir::mc::{
     files,
@@ -15,10 +15,11 @@ use verbs::{
         Format,
         cluster::{JOB, Script},
     },
+    program,
 };
 
-use super::{prepare, print, program, scene::write, source, stoppable, watch};
-use crate::arguments::Plan;
+use super::{prepare, print, scene::write, source, stoppable, watch};
+use crate::{PROGRAM, arguments::Plan};
 
 /// Plan of a run in parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Serialize, Deserialize)]
@@ -130,7 +131,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let part_seconds = seconds(parts, cpus);
     // Twice as long as measured, and a minute to start.
     let minutes = 1 + (2.0 * part_seconds / 60.0).ceil() as u64;
-    let program = &env::current_exe()?;
+    let program = PROGRAM.get().map_or(Path::new("casimir"), |program| program);
     let script = Script { parts, program, folder: &folder, minutes, cpus, options };
     files::write(&out.join(JOB), script.slurm())?;
     // Last: a folder with a plan is complete.

@@ -1,13 +1,13 @@
 //! Commands on a scene: `casimir run`, and all verbs of one scene.
 
-use std::{fs, path::Path, sync::Arc};
+use std::{cell::RefCell, fs, path::Path, sync::Arc};
 
 use casimir::mc::{
     Checkpoint,
     parts::{Job, JobError, Program, Share, remove},
 };
 use clap::Args;
-use scenes::{Scene, Sweep};
+use scenes::{Apart, Scene, Sweep};
 use verbs::{
     self, Found, Outcomes, Store, Stores, Verb, Watch,
     failure::{
@@ -15,11 +15,12 @@ use verbs::{
         Failure::{self, Stopped},
     },
     output::Format,
+    program,
 };
 
 use super::{
-    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, program, read,
-    stoppable, tell, watch,
+    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, read, stoppable, store,
+    tell, watch,
 };
 use crate::arguments::{Asked, Run};
 
@@ -100,23 +101,62 @@ fn check_size(sweep: &Sweep) -> Done {
     Ok(())
 }
 
-/// Computes a verb of a scene, and prints and writes what was found.
+/// Computes a verb of a scene, at every combination of what is varied, and prints and writes what
+/// was found: in a folder for each combination, and as a list in JSON.
 pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
-    let scene = read(on, |source| Scene::new(source, &options.changes()))?;
-    let program = program(&scene, &options.meaning());
-    let found = |store: &Store, watch: &Watch| options.compute(&scene, store, watch);
+    let changes = options.changes();
     if V::STORES == Stores::Nothing {
-        let found = found(&Store::Nothing, &watch())?;
+        let scene = read(on, |source| Scene::new(source, &changes))?;
+        let found = options.compute(&scene, &Store::Nothing, &watch())?;
         tell(&found, on.out.as_deref(), V::NAME, on.json)?;
         return found.unreached.map_or(Ok(()), |words| Err(Failure::Run(words)));
     }
-    let folder = folder(on, V::NAME)?;
-    let to = if V::WRITES { Some(&folder) } else { on.out.as_ref() };
-    let tell = |found: &Found| tell(found, to.map(|to| &**to), V::NAME, on.json);
-    let work = Work { program, found: &found, tell: &tell };
+    let scenes = read(on, |source| Sweep::apart(&source, &changes))?;
+    let whole = folder(on, V::NAME)?;
+    if let [Apart { label, scene, .. }] = &scenes[..]
+        && label.is_empty()
+    {
+        let to = if V::WRITES { Some(&whole) } else { on.out.as_ref() };
+        let show = |found: &Found| tell(found, to.map(|to| &**to), V::NAME, on.json);
+        return one(options, scene, &whole, &show);
+    }
+    let (mut unreached, list) = (Ok(()), RefCell::new(Vec::new()));
+    for (k, Apart { label, values, scene }) in scenes.iter().enumerate() {
+        let folder = whole.join(format!("combination-{}", k + 1));
+        if !on.json {
+            print(&format!("== {label}\n"))?;
+        }
+        let show = |found: &Found| {
+            if !on.json {
+                return tell(found, Some(&folder), V::NAME, false);
+            }
+            let mut json = found.json.clone();
+            json["parameters"] = values.iter().cloned().collect();
+            list.borrow_mut().push(json);
+            store(found, &folder, V::NAME).map(drop)
+        };
+        match one(options, scene, &folder, &show) {
+            Err(Failure::Run(words)) => {
+                unreached = Err(Failure::Run(format!("{label}: {words}")));
+                eprintln!("{label}: {words}");
+            }
+            done => done?,
+        }
+    }
+    if on.json {
+        print_json(&list.into_inner())?;
+    }
+    unreached
+}
+
+/// Computes a verb of one scene, whose unfinished work is in a folder.
+fn one<V: Verb>(options: &V, scene: &Scene, folder: &Path, tell: &dyn Fn(&Found) -> Done) -> Done {
+    let program = program(scene, &options.meaning());
+    let found = |store: &Store, watch: &Watch| options.compute(scene, store, watch);
+    let work = Work { program, found: &found, tell };
     match V::STORES {
         Stores::Samples(file) => sampled(&folder.join(file), work),
-        _ => measured(&folder, work),
+        _ => measured(folder, work),
     }
 }
 

@@ -10,6 +10,8 @@ use verbs::{NAMES, is_of_samples, options};
 const OF_PAGE: &str = "<!-- options: written by the test `declared` -->\n";
 const OF_PYTHON: &str = "    # Verbs: the test `declared` of the program writes these methods.\n";
 
+const OF_KEYS: &str = "# Keys: the test `declared` of the program writes these.\n";
+
 /// A text of documentation in Python, in lines of at most 92 letters.
 fn wrapped(text: &str) -> String {
     let (mut all, mut line) = (String::new(), 0);
@@ -106,15 +108,93 @@ fn method(verb: &str) -> String {
         true => ("        raises: bool = False,\n", ", raises"),
         false => ("", ""),
     };
+    let (resume, folder) = match verb {
+        "inspect" => ("", ""),
+        _ => ("        resume: Folder = None,\n", ", resume"),
+    };
+    let changes = match arguments.contains("        accuracy: ") {
+        true => "ChangesBesideAccuracy",
+        false => "Changes",
+    };
     let end = if words.is_empty() { "" } else { "        " };
     format!(
         "    def {verb}(\n        self,\n        *,\n{arguments}        threads: int | None = \
-         None,\n        progress: bool = True,\n{raises}        **changes: Any,\n    ) -> \
+         None,\n        progress: bool = True,\n{raises}{resume}        \
+         **changes: Unpack[{changes}],\n    ) -> \
          {result}:\n        \"\"\"{about}{}{words}{end}\"\"\"\n        options: Mapping[str, Any] = \
          {options}\n        return self._called({result}, \"{verb}\", options, changes, \
-         how(threads, progress){given})\n",
+         how(threads, progress{folder}){given})\n",
         if words.is_empty() { "" } else { "\n" },
     )
+}
+
+/// Type of a key of scenes in Python: formulas may be expressions of SymPy, and so are any.
+fn kind(definitions: &Value, one: &Value) -> &'static str {
+    let name = one["$ref"].as_str().and_then(|path| path.rsplit('/').next());
+    if let Some(name) = name {
+        return kind(definitions, &definitions[name]);
+    }
+    if let Some([one, null]) = one["anyOf"].as_array().map(Vec::as_slice)
+        && null["type"] == "null"
+    {
+        return kind(definitions, one);
+    }
+    let types = match &one["type"] {
+        Value::Array(all) => all.iter().filter_map(Value::as_str).collect(),
+        one => Vec::from_iter(one.as_str()),
+    };
+    match types[..] {
+        ["string"] | ["string", "null"] => "str",
+        ["number"] => "SupportsFloat",
+        ["integer", "string"] => "SupportsIndex | str",
+        ["array"] | ["array", "null"] => "Sequence[Any] | str",
+        ["object"] => "Mapping[str, Any]",
+        _ => "Any",
+    }
+}
+
+/// Keys that changes of scenes take in Python, in classes by what some methods take otherwise.
+fn keys() -> String {
+    let schema = scenes::schema().to_value();
+    let (tables, definitions) = (&schema["properties"], &schema["$defs"]);
+    let mut classes = [
+        ("_Others", String::new()),
+        ("_Accuracy", String::new()),
+        ("_Parameters", String::new()),
+        ("_Span", String::new()),
+    ];
+    let mut add = |key: &str, kind: &str, about: &str| {
+        let class = match key {
+            "accuracy" => 1,
+            "parameters" => 2,
+            "initial" | "until" | "steps" => 3,
+            _ => 0,
+        };
+        let kind = if kind == "Any" { "Any".into() } else { format!("{kind} | None") };
+        let about = wrapped(&about.replace('\n', " ")).replace("\n        ", "\n    ");
+        classes[class].1 += &format!("    {key}: {kind}\n    \"\"\"{about}\"\"\"\n");
+    };
+    for table in ["run", "expect"] {
+        let of = if table == "run" { "RunTable" } else { "ExpectTable" };
+        for (key, one) in definitions[of]["properties"].as_object().expect("keys") {
+            let about = one["description"].as_str().unwrap_or_default();
+            add(key, kind(definitions, one), about);
+        }
+    }
+    let about = "Values of names in formulas, changed one by one.";
+    add("parameters", "Mapping[Any, Any]", about);
+    for (key, one) in tables.as_object().expect("tables") {
+        let about = one["description"].as_str().unwrap_or_default();
+        let kind = match key.as_str() {
+            "title" => "str",
+            // A rate in place of the table, or several tables.
+            "damping" | "bath" => "Any",
+            _ => "Mapping[str, Any]",
+        };
+        add(key, kind, about);
+    }
+    let class = |(name, keys)| format!("class {name}(TypedDict, total=False):\n{keys}");
+    classes.map(class).join("\n\n")
 }
 
 fn table() -> String {
@@ -138,6 +218,7 @@ fn options_are_declared_once() {
     for (file, mark, written) in [
         ("docs/scenes.md", OF_PAGE, table()),
         ("python/casimir/_scene.py", OF_PYTHON, methods.join("\n")),
+        ("python/casimir/_changes.py", OF_KEYS, keys()),
     ] {
         let file = root.join(file);
         let text = fs::read_to_string(&file).expect("a file");

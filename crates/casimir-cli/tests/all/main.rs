@@ -19,6 +19,7 @@ mod kept;
 mod lattices;
 mod matrices;
 mod parts;
+mod plain;
 mod promised;
 mod resolution;
 mod resting;

@@ -98,13 +98,50 @@ fn what_cannot_be_varied_is_named() {
         fails(path, &["run", "scene.toml", "--set", set], 2, words);
     }
     fails(path, &["run", "scene.toml", "--set", "k=1", "--set", "k=2"], 2, &["twice"]);
-    for command in ["expect", "order", "inspect", "compare"] {
-        fails(path, &[command, "scene.toml", "--set", "k=1,2"], 2, &["choose one by --set k=1"]);
-    }
+    // Facts are of one scene.
+    fails(path, &["inspect", "scene.toml", "--set", "k=1,2"], 2, &["choose it by --set k=1"]);
     assert!(!path.join("scene-run").exists());
-    // Other commands take the value that the parameter has.
+    // `inspect` takes the value that the parameter has.
     let folder = with_scene(&(OSCILLATOR.to_owned() + "\n[sweep]\nk = [1, 2]\n"));
     succeeds(folder.path(), &["inspect", "scene.toml"]);
     let folder = with_scene(&(OSCILLATOR.to_owned() + "\n[sweep]\nz = [1, 2]\n"));
     fails(folder.path(), &["run", "scene.toml"], 2, &["line", "no parameter `z`", "z = [1, 2]"]);
+}
+
+/// E[q] = e^{−s²T/2}cos wT and its derivative by w, at each combination, with files and unfinished
+/// work of its own; one has the bits of a scene alone.
+#[test]
+fn verbs_vary_what_is_varied() {
+    let kubo = "[system]\nstate = [\"q\", \"p\"]\nB = [[\"1\"]]\nH0 = \"w*(q^2 + p^2)/2\"\n\
+                H = [\"s*(q^2 + p^2)/2\"]\nparameters = { w = 1, s = 0.3 }\n[run]\n\
+                initial = [1, 0]\nuntil = 1\nsteps = 64\n[expect]\nof = [\"q\"]\n\
+                accuracy = 1e-3\n[sweep]\nw = [0.5, \"3/2\"]\n";
+    let folder = with_scene(kubo);
+    let path = folder.path();
+    let list = run_json(
+        path,
+        &["expect", "scene.toml", "--gradient", "w", "--set", "s=0.2,0.4", "--json"],
+    );
+    let list = list.as_array().expect("a list");
+    assert_eq!(list.len(), 4);
+    for (k, one) in list.iter().enumerate() {
+        let [w, s]: [f64; 2] = ["w", "s"].map(|name| one["parameters"][name].as_f64().unwrap());
+        assert_eq!([w, s], [[0.5, 1.5][k / 2], [0.2, 0.4][k % 2]]);
+        let decay = (-0.5 * s * s).exp();
+        let found = [&one["estimates"][0], &one["gradient"]["w"][0]];
+        for (found, truth) in found.into_iter().zip([decay * w.cos(), -decay * w.sin()]) {
+            let [value, half] = ["value", "half_width"].map(|key| found[key].as_f64().unwrap());
+            // Five half-widths, 9.8 deviations.
+            assert!((value - truth).abs() < 5.0 * half && half < 1e-2, "{found} {truth}");
+        }
+        let written =
+            read_json(path.join(format!("scene-expect/combination-{}/expect.json", k + 1)));
+        assert_eq!(written["estimates"], one["estimates"]);
+    }
+    let alone = ["--set", "w=1.5", "--set", "s=0.4", "--gradient", "w", "--json", "--out", "alone"];
+    let alone = run_json(path, &[&["expect", "scene.toml"][..], &alone].concat());
+    assert_eq!(alone["estimates"], list[3]["estimates"]);
+    let text = succeeds(path, &["order", "scene.toml"]);
+    assert!(text.contains("== w = 0.5\n") && text.contains("== w = 3/2\n"), "{text}");
+    assert!(path.join("scene-order/combination-2/strong.svg").exists());
 }

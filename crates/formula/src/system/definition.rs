@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeMap,
     fmt::{self, Display},
+    iter::once,
 };
 
 use crate::{Formula, FormulaError, NameError, Names};
@@ -26,6 +27,20 @@ pub struct Definition {
     pub noises: Vec<String>,
     /// Heat baths, whose noises come after these.
     pub baths: Vec<Bath>,
+    /// An equation in the place of B, Hamiltonians and baths.
+    pub equation: Option<Equation>,
+}
+
+/// An equation dy = f dt + Σₘ gₘ dWₘ by its fields, without B and Hamiltonians: a text for each
+/// component of each field.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Equation {
+    /// The drift f.
+    pub drift: Vec<String>,
+    /// The fields g₁, … of the noises.
+    pub noises: Vec<Vec<String>>,
+    /// Whether noises are in the sense of Itô; else they are in that of Stratonovich.
+    pub ito: bool,
 }
 
 /// A heat bath at the temperature kT through a function Φ of the state: a noise with the
@@ -83,6 +98,8 @@ pub enum Which {
     Noise(usize),
     /// The temperature of the bath of this number, counted from 1.
     Temperature(usize),
+    /// The drift for 0, or a noise, and its component, counted from 1; 0 for all.
+    Field(usize, usize),
 }
 
 impl Display for Which {
@@ -95,6 +112,8 @@ impl Display for Which {
             Self::Energy => f.write_str("H0"),
             Self::Noise(m) => write!(f, "H, noise {m}"),
             Self::Temperature(m) => write!(f, "the temperature of bath {m}"),
+            Self::Field(0, i) => write!(f, "the drift of component {i}"),
+            Self::Field(m, i) => write!(f, "noise {m} of component {i}"),
         }
     }
 }
@@ -133,11 +152,15 @@ pub(super) struct Formulas {
     pub hamiltonians: Vec<Formula>,
     /// kT of the baths of the last Hamiltonians.
     pub temperatures: Vec<Formula>,
+    /// The fields f, g₁, … of an equation, whose Hamiltonians are zero; none of other systems.
+    pub fields: Vec<Vec<Formula>>,
+    /// Whether these are in the sense of Itô.
+    pub ito: bool,
 }
 
 impl Formulas {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let Definition { state, vectors, parameters, structure, energy, .. } = definition;
+        let Definition { state, vectors, parameters, structure, energy, equation, .. } = definition;
         let mut names = Names::with_variables(state)?;
         for (name, components) in vectors {
             names.vector(name, components)?;
@@ -169,11 +192,18 @@ impl Formulas {
             Ok(formula)
         };
         check_initial_value(state, y0)?;
-        let mut structure = upper(structure, y0, parsed)?;
+        let mut structure = match equation {
+            Some(_) => Vec::new(),
+            None => upper(structure, y0, parsed)?,
+        };
         structure.retain(|(_, entry)| !entry.graph.is_zero(entry.root));
         let through = definition.baths.iter().map(|bath| &bath.through);
-        let noises = definition.noises.iter().chain(through);
-        let hamiltonians = std::iter::once(energy).chain(noises).enumerate().map(hamiltonian);
+        let zero = "0".to_owned();
+        let all: Vec<&String> = match equation {
+            Some(equation) => vec![&zero; 1 + equation.noises.len()],
+            None => once(energy).chain(&definition.noises).chain(through).collect(),
+        };
+        let hamiltonians = all.into_iter().enumerate().map(hamiltonian);
         let hamiltonians = hamiltonians.collect::<Result<_, DefinitionError>>()?;
         let temperature = |(m, bath): (usize, &Bath)| {
             let which = Which::Temperature(m + 1);
@@ -193,7 +223,34 @@ impl Formulas {
         };
         let temperatures = definition.baths.iter().enumerate().map(temperature);
         let temperatures = temperatures.collect::<Result<_, DefinitionError>>()?;
-        Ok(Self { dimension: y0.len(), structure, hamiltonians, temperatures, names })
+        let ito = equation.as_ref().is_some_and(|equation| equation.ito);
+        let field = |(m, texts): (usize, &Vec<String>)| {
+            let (d, given) = (y0.len(), texts.len());
+            if given != d {
+                let what = format!("one formula for each of {d} components, got {given}");
+                return Err(DefinitionError::new(Which::Field(m, 0), what));
+            }
+            let component = |(i, text): (usize, &String)| {
+                let which = Which::Field(m, i + 1);
+                let formula = parsed(which, text)?;
+                // Itô's correction has derivatives of noises.
+                if ito && m > 0 {
+                    has_gradient(which, &formula, &start)?;
+                }
+                Ok(formula)
+            };
+            texts.iter().enumerate().map(component).collect()
+        };
+        let fields = equation.iter().flat_map(|of| once(&of.drift).chain(&of.noises));
+        let fields = fields.enumerate().map(field).collect::<Result<_, DefinitionError>>()?;
+        let dimension = y0.len();
+        Ok(Self { dimension, structure, hamiltonians, temperatures, names, fields, ito })
+    }
+
+    /// All formulas of the equation: Hamiltonians, entries of B, and fields.
+    pub fn all(&self) -> impl Iterator<Item = &Formula> {
+        let structure = self.structure.iter().map(|(_, entry)| entry);
+        self.hamiltonians.iter().chain(structure).chain(self.fields.iter().flatten())
     }
 }
 

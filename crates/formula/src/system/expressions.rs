@@ -30,6 +30,9 @@ pub struct Expressions {
     pub baths: Vec<(usize, Id)>,
     /// The entries of B in each row that are not zero, by their columns.
     pub structure: Vec<Vec<Entry>>,
+    /// The fields f₀, f₁, … of an equation without B and H, of which B is the identity and ∇Hₘ is
+    /// fₘ; none of other systems.
+    fields: Vec<Vec<Id>>,
     /// B(y)v.
     field: Vec<Id>,
     /// h.
@@ -93,6 +96,8 @@ impl Expressions {
             // Baths have no flows, so that nothing is left of them.
             Some(_) => Vec::new(),
         };
+        let fields = formulas.fields.iter();
+        let fields = fields.map(|of| of.iter().map(&mut import).collect()).collect();
         let mut structure: Vec<Vec<Entry>> = vec![Vec::new(); dimension];
         for ((i, j), formula) in &formulas.structure {
             let above = import(formula);
@@ -117,11 +122,17 @@ impl Expressions {
             hamiltonians,
             baths: Vec::new(),
             structure,
+            fields,
             field,
             energy,
             operations,
             flows,
         };
+        if formulas.ito {
+            for (k, correction) in new.corrected().into_iter().enumerate() {
+                average::add(&mut new.graph, &mut new.fields[0][k], correction, -1.0);
+            }
+        }
         let [u, v] = [U, V].map(|group| new.inputs(group));
         let directions: Sparse = u.iter().copied().enumerate().collect();
         new.field = new.field_at(&v.into_iter().enumerate().collect());
@@ -132,9 +143,17 @@ impl Expressions {
         // ∇(H₀w₀ + H₁w₁ + …), with w + u dt for baths.
         let shifts = new.shifts(&temperatures);
         new.baths = (noises + 1 - shifts.len()..).zip(shifts).collect();
-        let weighted: Vec<Weighted> = new.hamiltonians.iter().copied().zip(weights).collect();
+        let weighted: Vec<Weighted> =
+            new.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
         let shifted = new.shifted(&weighted, |_, shift, _| shift);
-        let gradient = new.graph.reverse(&shifted, &new.group(Y).collect::<Vec<_>>());
+        let sum = |k: usize| {
+            let of: Vec<Id> = new.fields.iter().map(|field| field[k]).collect();
+            new.graph.dot(&of, &weights)
+        };
+        let gradient = match new.fields.is_empty() {
+            true => new.graph.reverse(&shifted, &(0..dimension).collect::<Vec<_>>()),
+            false => (0..dimension).map(sum).collect(),
+        };
         let hessian = new.along(&gradient, &directions);
         // Of ∇̄h, u is taken at the middle, and stands for itself until h is averaged.
         let own = new.group(TIME).end;
@@ -156,9 +175,11 @@ impl Expressions {
             (Op::StructureAlong { y: Y, u: U, v: V }, field_along),
             (Op::Gradient { y: Y }, gradient),
             (Op::Hessian { y: Y, u: U }, hessian),
-            (Op::AveragedGradient { a: Y, b: U }, averaged),
             (Op::ItoCorrection { y: Y }, correction),
         ];
+        if !new.is_plain() {
+            new.operations.push((Op::AveragedGradient { a: Y, b: U }, averaged));
+        }
         if noises <= MAX_NOISES {
             let gradient = new.bracketed();
             if noises > 1 {
@@ -298,8 +319,16 @@ impl Expressions {
         (self.graph.is_zero(at_zero) && !self.reads(&[rate]).contains(&k)).then_some(rate)
     }
 
+    /// Whether this is an equation without B and H.
+    pub fn is_plain(&self) -> bool {
+        !self.fields.is_empty()
+    }
+
     /// B·v.
     fn times(&mut self, v: &Sparse) -> Sparse {
+        if self.is_plain() {
+            return v.clone();
+        }
         let Self { graph, structure, .. } = self;
         let rows: BTreeSet<usize> =
             v.keys().flat_map(|&k| structure[k].iter().map(|entry| entry.column)).collect();
@@ -328,7 +357,8 @@ impl Expressions {
 
     /// Whether B or a Hamiltonian has a logarithm, a root or a quotient.
     pub fn have_domain(&self) -> bool {
-        self.graph.uses(&[&self.hamiltonians[..], &self.field].concat(), |node| {
+        let fields = self.fields.concat();
+        self.graph.uses(&[&self.hamiltonians[..], &self.field, &fields].concat(), |node| {
             matches!(node, Node::Unary(Unary::Ln | Unary::Sqrt, _) | Node::Binary(Binary::Div, ..))
         })
     }
@@ -337,7 +367,8 @@ impl Expressions {
     pub fn depend_on_time(&self) -> bool {
         let t = self.group(TIME).start as u32;
         let baths = self.baths.iter().map(|(_, u)| *u);
-        let all: Vec<Id> = self.hamiltonians.iter().copied().chain(baths).collect();
+        let fields = self.fields.iter().flatten().copied();
+        let all: Vec<Id> = self.hamiltonians.iter().copied().chain(baths).chain(fields).collect();
         self.graph.uses(&all, |node| node == Node::Input(t))
     }
 
@@ -349,6 +380,9 @@ impl Expressions {
         let v = (0..self.dimension).map(|k| (k, self.graph.constant(1.0 + k as f64))).collect();
         for component in self.field_at(&v) {
             sum = self.graph.add(sum, component);
+        }
+        for (component, n) in self.fields.iter().flatten().zip(1..) {
+            average::add(&mut self.graph, &mut sum, *component, f64::from(n));
         }
         self.tape(&[sum], [Y, TIME])
     }
@@ -391,9 +425,22 @@ impl Expressions {
         correction
     }
 
-    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}.
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}, or −Σ_{m<l} A_ml \[fₘ, f_l\] where B is the identity.
     fn bracketed(&mut self) -> Vec<Id> {
         let fields = self.noise_fields();
+        if self.is_plain() {
+            let mut sum = vec![self.graph.constant(0.0); self.dimension];
+            for (m, l) in (0..fields.len()).flat_map(|l| (0..l).map(move |m| (m, l))) {
+                let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
+                for (f, g, sign) in [(m, l, -1.0), (l, m, 1.0)] {
+                    for (k, slope) in self.vector_along(&fields[g].1, &fields[f].1) {
+                        let term = self.graph.mul(slope, area);
+                        average::add(&mut self.graph, &mut sum[k], term, sign);
+                    }
+                }
+            }
+            return sum;
+        }
         let mut brackets = Vec::new();
         for (m, (slope, _)) in fields.iter().enumerate() {
             for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
@@ -405,7 +452,8 @@ impl Expressions {
     }
 
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
-    /// [`vanish`] finds around `y0`. False if there are too many noises or expressions.
+    /// [`vanish`] finds around `y0`; without H the latter is not asked. False if there are too many
+    /// noises or expressions.
     pub fn commutators(&mut self, y0: &[f64]) -> [bool; 2] {
         if !(2..=MAX_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
@@ -415,9 +463,13 @@ impl Expressions {
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
-                let bracket = dot(&mut self.graph, slope, g);
-                let v = self.gradient(bracket);
-                let turned = self.times(&v);
+                let turned = if self.is_plain() {
+                    Sparse::new()
+                } else {
+                    let bracket = dot(&mut self.graph, slope, g);
+                    let v = self.gradient(bracket);
+                    self.times(&v)
+                };
                 let [moved, other] = [(g, f), (f, g)].map(|(f, g)| self.vector_along(f, g));
                 let changed: BTreeSet<usize> =
                     [&turned, &moved, &other].into_iter().flat_map(Sparse::keys).copied().collect();
@@ -434,7 +486,9 @@ impl Expressions {
                 }
             }
         }
-        [commutators, defects].map(|expressions| self.vanish(&expressions, y0))
+        let [commute, holds] =
+            [commutators, defects].map(|expressions| self.vanish(&expressions, y0));
+        [commute, holds || self.is_plain()]
     }
 
     /// Whether expressions are zero around `y0`, at several times.
@@ -497,7 +551,13 @@ impl Expressions {
         let baths = self.baths.iter().filter(|_| m == 0);
         let shifts = baths.map(|&(m, u)| (self.hamiltonians[m], u));
         let weighted: Vec<_> = [(self.hamiltonians[m], one)].into_iter().chain(shifts).collect();
-        let gradient = self.slopes(&weighted);
+        let gradient = match self.fields.get(m) {
+            Some(field) => {
+                let all = field.iter().copied().enumerate();
+                all.filter(|&(_, component)| !self.graph.is_zero(component)).collect()
+            }
+            None => self.slopes(&weighted),
+        };
         let field = self.times(&gradient);
         (gradient, field)
     }
@@ -679,6 +739,9 @@ impl Expressions {
 
     /// Components in groups that B joins, by an entry or by what an entry reads.
     pub fn joined(&self) -> Vec<Vec<usize>> {
+        if self.is_plain() {
+            return vec![(0..self.dimension).collect()];
+        }
         let of = |entries: &Vec<Entry>| {
             let join = |entry: &Entry| {
                 self.reads(&[entry.above]).into_iter().chain([entry.column]).collect::<Vec<_>>()

@@ -25,7 +25,7 @@ use systems::{
     },
 };
 
-pub use definition::{Bath, Definition, DefinitionError, Structure, Which};
+pub use definition::{Bath, Definition, DefinitionError, Equation, Structure, Which};
 
 use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
@@ -45,7 +45,8 @@ const MAX_BLOCK: usize = 200;
 ///
 /// B may be given in full, and is then checked to be skew, or above the diagonal; only the entries
 /// above the diagonal are used. Gradients, Hessians, derivatives of B, the Itô correction and the
-/// linearly implicit step are derived as expressions, and each is a [`Tape`].
+/// linearly implicit step are derived as expressions, and each is a [`Tape`]. Or an [`Equation`] by
+/// its fields, see [`Description::plain`].
 ///
 /// ```
 /// use formula::{Definition, FormulaSystem};
@@ -61,7 +62,7 @@ const MAX_BLOCK: usize = 200;
 ///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])].into(),
 ///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),
 ///     noises: words(&["c*y1^2/2"]),
-///     baths: Vec::new(),
+///     ..Definition::default()
 /// };
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
 /// assert!(body.description().is_quadratic() && body.description().always_solvable);
@@ -96,9 +97,13 @@ impl FormulaSystem {
     /// The system of formulas, with the flows of its parts.
     fn with_parts(definition: &Definition, formulas: Arc<Formulas>, y0: &[f64]) -> Self {
         let mut expressions = Expressions::new(&formulas, None);
-        if !expressions.baths.is_empty() {
-            let none = Err("what a heat bath does has no exact flow".into());
-            return Self::of(definition, formulas, expressions, none, y0);
+        let none = match (expressions.is_plain(), expressions.baths.is_empty()) {
+            (true, _) => Some("an equation of drift and noise alone is no sum of such parts"),
+            (_, false) => Some("what a heat bath does has no exact flow"),
+            _ => None,
+        };
+        if let Some(none) = none {
+            return Self::of(definition, formulas, expressions, Err(none.into()), y0);
         }
         let (parts, graph, rest) = expressions.find_parts(&definition.state);
         let rest = (parts.is_ok() && !rest.is_empty()).then(|| {
@@ -123,6 +128,8 @@ impl FormulaSystem {
             hamiltonians: hamiltonians.collect(),
             temperatures: Vec::new(),
             names,
+            fields: Vec::new(),
+            ito: false,
         };
         let state = formulas.names.variables().to_vec();
         let definition = Definition { name: name.clone(), state, ..Definition::default() };
@@ -138,12 +145,14 @@ impl FormulaSystem {
     ) -> Self {
         let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
         let [of_structure, of_energy] = expressions.degrees();
+        let plain = expressions.is_plain();
         let linearity = match of_structure {
+            _ if plain => Linearity::Other,
             Some(0) if has_step => Linearity::Constant,
             Some(1) if has_step => Linearity::Affine,
             _ => Linearity::Other,
         };
-        let nodes = of_energy.map_or(NODES, |degree| {
+        let nodes = of_energy.filter(|_| !plain).map_or(NODES, |degree| {
             nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MAX_NODES)
         });
         let always_solvable = match linearity {
@@ -181,6 +190,7 @@ impl FormulaSystem {
             noises_commute,
             additive: expressions.additive(),
             is_langevin: expressions.is_langevin(y0),
+            plain,
             parts,
             ..Description::new(&definition.name, dimension, noises, rule)
         };
@@ -205,12 +215,10 @@ impl FormulaSystem {
         &self.formulas.names
     }
 
-    /// Whether B or a Hamiltonian has kinks, so that fields may jump.
+    /// Whether B, a Hamiltonian or a field has kinks, so that fields may jump.
     #[must_use]
     pub fn has_kinks(&self) -> bool {
-        let Formulas { structure, hamiltonians, .. } = &*self.formulas;
-        let mut all = hamiltonians.iter().chain(structure.iter().map(|(_, entry)| entry));
-        all.any(Formula::has_kinks)
+        self.formulas.all().any(Formula::has_kinks)
     }
 
     /// The coordinates of momenta p: the q with B∇q = b·e_p and a constant b; none if there is
@@ -325,11 +333,10 @@ impl System for FormulaSystem {
         }
     }
 
-    /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the
-    /// formula uses which is not.
+    /// The formulas of B, H₀ and Hₘ, or of fields, must be finite. The error names the first
+    /// component that the formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
-        let Formulas { structure, hamiltonians, .. } = &*self.formulas;
-        let mut all = hamiltonians.iter().chain(structure.iter().map(|(_, entry)| entry));
+        let mut all = self.formulas.all();
         let start = [y, &[0.0]].concat();
         let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);
         match all.find(|formula| !at_start(formula).is_finite()) {

@@ -11,5 +11,6 @@ mod large;
 mod panels;
 #[path = "../../examples/paper/mod.rs"]
 mod paper;
+mod plain;
 mod programs;
 mod systems;

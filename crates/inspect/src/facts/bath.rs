@@ -276,11 +276,18 @@ pub fn gibbs_marginal(
     alike.then(|| density.iter().map(|x| x / sum).collect())
 }
 
-/// Whether Σᵢ∂ᵢBᵢⱼ vanishes for every j, at 32 points: fields B∇H have no divergence then.
+/// Whether Σᵢ∂ᵢBᵢⱼ vanishes for every j, at 32 points: fields B∇H have no divergence then. Of an
+/// equation without B whether no field has one.
 pub fn is_divergence_free(system: &dyn System, y0: &[f64]) -> bool {
     let (mut probe, states) = seen(system, y0);
     let d = y0.len();
     let size = largest(probe.matrix(&states).iter().flatten().flatten());
+    if probe.description().plain {
+        let scale = size / norm(y0).max(1.0);
+        let none =
+            |m| divergence(&mut probe, m, &states).iter().all(|sum| sum.abs() <= ZERO * scale);
+        return (0..=system.description().noises).all(none);
+    }
     (0..d).all(|j| {
         let column = |i: usize| probe.structure_along(&states, &[axis(d, i)], &[axis(d, j)]);
         trace(d, column).iter().all(|sum| sum.abs() <= ZERO * size)

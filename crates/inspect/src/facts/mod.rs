@@ -39,7 +39,8 @@ pub use scheme::{Conserved, is_damped};
 /// and more sharply.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// Linear Casimirs, then quadratic ones that are not products of these.
+    /// Linear Casimirs, then quadratic ones that are not products of these; of an equation without
+    /// B the functions that drift and noises keep.
     pub casimirs: Vec<Form>,
     /// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
     pub proportional: bool,
@@ -65,7 +66,7 @@ impl Facts {
         Self {
             casimirs: casimirs_around(system, y0),
             proportional: is_proportional(system, y0),
-            degree: degree.filter(|degree| *degree != 0.0).map(nearby_integer),
+            degree: degree.filter(|d| *d != 0.0 && !system.description().plain).map(nearby_integer),
             damped: !integral.none,
             mistake: integral.mistake(),
         }
@@ -105,6 +106,7 @@ fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
     let (description, drift) = (system.description(), slope(0));
     !description.depends_on_time
         && !description.has_bath
+        && !description.plain
         && (1..=description.noises).all(|m| multiple(&drift, &slope(m)).is_some())
 }
 

@@ -8,6 +8,9 @@ use super::{Matrix, Term, axis, dot, largest, moved, transposed};
 /// Time at which time-dependent Hamiltonians are evaluated.
 pub const TIME: f64 = 0.618;
 
+/// Times at which fields that depend on time are looked at.
+const TIMES: [f64; 3] = [TIME, 0.0, 2.236];
+
 /// States or vectors, one for each point.
 pub type Batch = Vec<Vec<f64>>;
 
@@ -16,12 +19,14 @@ pub type Batch = Vec<Vec<f64>>;
 /// Arguments have one state for each point, or one for all. `weights` are (dt, dw₁, …, dw_M).
 pub struct Probe<'a> {
     pub system: &'a dyn System,
+    /// The time of Hamiltonians that depend on it.
+    pub t: f64,
     scratch: Vec<Row>,
 }
 
 impl<'a> Probe<'a> {
     pub fn new(system: &'a dyn System) -> Self {
-        Self { system, scratch: vec![[0.0; WIDTH]; system.description().scratch_rows()] }
+        Self { system, t: TIME, scratch: vec![[0.0; WIDTH]; system.description().scratch_rows()] }
     }
 
     pub fn description(&self) -> &'a Description {
@@ -99,7 +104,7 @@ impl<'a> Probe<'a> {
     fn evaluate(&mut self, op: Op<&[Vec<f64>]>, weights: &[f64], by_quadrature: bool) -> Batch {
         let (dt, dw) =
             weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
-        let h = Weights { t: TIME, dt, dw: &dw, areas: &[] };
+        let h = Weights { t: self.t, dt, dw: &dw, areas: &[] };
         let mut all = Batch::new();
         let layout = self.description().layout;
         let mut out = vec![[0.0; WIDTH]; layout.rows];
@@ -193,7 +198,8 @@ impl<'a> Probe<'a> {
 
     /// Energy h(y).
     pub fn energy(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
-        let h = Weights { t: TIME, dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
+        let dw = self.noise(&weights[1..]);
+        let h = Weights { t: self.t, dt: weights[0], dw: &dw, areas: &[] };
         self.numbers(y, |system, y, out, scratch| system.energy(y, h, out, scratch))
     }
 
@@ -202,8 +208,23 @@ impl<'a> Probe<'a> {
         self.numbers(y, |system, y, out, scratch| system.invariant(index, y, out, scratch))
     }
 
-    /// B at each point, by rows.
+    /// B at each point, by rows. For an equation without B the drift and the fields of noises at
+    /// several times: functions that all of them keep have gradients that these rows are
+    /// orthogonal to, as Casimirs have to those of B.
     pub fn matrix(&mut self, y: &[Vec<f64>]) -> Vec<Matrix> {
+        if self.description().plain {
+            let mut rows = vec![Matrix::new(); y.len()];
+            let times = if self.description().depends_on_time { &TIMES[..] } else { &TIMES[..1] };
+            for &t in times {
+                self.t = t;
+                for m in 0..=self.noises() {
+                    let field = self.gradient(y, &self.weights(m));
+                    rows.iter_mut().zip(field).for_each(|(rows, row)| rows.push(row));
+                }
+            }
+            self.t = TIME;
+            return rows;
+        }
         self.matrices(|probe, v| probe.structure(y, v))
     }
 

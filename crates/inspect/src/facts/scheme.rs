@@ -4,7 +4,7 @@
 //! Paths are for `sexp`: `sexp-h` where noises commute and have flows, and with Lévy areas where
 //! they do not commute and areas are drawn. They are for `split` where a step of `sexp` is dear and
 //! flows are known, and `sexp-li` on a lattice in a bath. `heun` and `em` are for those who name
-//! them.
+//! them. An equation without B and H has `heun`, and `midpoint` where it keeps quadratic functions.
 
 use mc::Problem;
 use systems::run_time::{Description, Parts, System};
@@ -14,7 +14,8 @@ use super::{MAX_COMPONENTS, is_proportional};
 /// Properties of a problem that decide the scheme for paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conserved {
-    /// Whether there are linear or quadratic Casimirs with a law.
+    /// Whether there are linear or quadratic Casimirs with a law; of an equation without B and H
+    /// whether quadratic functions have one, since all schemes keep linear ones.
     pub casimirs: bool,
     /// Whether the energy has a law: every noise is a multiple of H₀, which is homogeneous or not
     /// damped.
@@ -40,7 +41,11 @@ pub fn is_damped(problem: &Problem<'_>) -> bool {
 impl Conserved {
     /// Reads the properties of `problem` and its laws, without the laws that friction breaks.
     pub fn of(problem: &Problem<'_>, system: &dyn System, areas: bool) -> Self {
-        let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);
+        let plain = system.description().plain;
+        let has = |casimir: bool| {
+            let mut laws = problem.laws.iter().filter(|law| !plain || law.degree == 2.0);
+            laws.any(|law| law.casimir == casimir)
+        };
         let damped = is_damped(problem);
         // Without damping H₀ is constant, homogeneous or not. Lattices are too large to look at.
         let constant = !damped && problem.y0.len() <= MAX_COMPONENTS;
@@ -56,6 +61,17 @@ impl Conserved {
     /// Selects the scheme for paths of this system, and says why.
     pub fn scheme(self, system: &dyn System) -> (&'static str, String) {
         let system = system.description();
+        if system.plain {
+            let (scheme, why) = match self.casimirs {
+                true => ("midpoint", "it keeps the quadratic functions that all fields keep"),
+                false => ("heun", "it is explicit, and the fields keep no quadratic function"),
+            };
+            let levy = match system.noises_commute {
+                true => "",
+                false => "; noises do not commute: heun-levy has strong order 1",
+            };
+            return (scheme, format!("{why}{levy}"));
+        }
         let scheme = match self.areas {
             _ if system.parts.as_ref().is_ok_and(|parts| parts.preferred) => "split",
             // A lattice.

@@ -1,4 +1,5 @@
-//! The search for linear and quadratic Casimirs, from B alone.
+//! The search for linear and quadratic Casimirs, from B alone; or for functions that an equation
+//! without B keeps, from its fields.
 
 use real::elementary::sin;
 use systems::Linearity;
@@ -65,7 +66,8 @@ pub fn casimirs(
         let ones = equations((n, &all), &first, |b, _| b.to_vec());
         let (ones, least) = null_space(ones, size, ZERO);
         complete &= least > CLEAR;
-        let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
+        let unknowns = size * (size + 1) / 2;
+        let rank = (size - ones.len()).min(first.first().map_or(0, |(_, b)| b[n].len()));
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
             complete = false;
@@ -135,6 +137,9 @@ fn parts(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<Vec<usize>> {
 
 /// The blocks of B at each point. Columns of different parts are computed at once.
 fn blocks(probe: &mut Probe<'_>, y: &[Vec<f64>], parts: &[Vec<usize>]) -> Vec<Vec<Matrix>> {
+    if probe.description().plain {
+        return probe.matrix(y).into_iter().map(|rows| vec![rows]).collect();
+    }
     let zero = |part: &Vec<usize>| vec![vec![0.0; part.len()]; part.len()];
     let mut blocks: Vec<Vec<Matrix>> = vec![parts.iter().map(zero).collect(); y.len()];
     for k in 0..parts.iter().map(Vec::len).max().unwrap_or(0) {

@@ -37,14 +37,11 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         };
         refuse!(
             None,
-            "[system] needs {missing}; or the `name` of a system of the project, see `casimir new \
-             --list`"
+            "[system] needs {missing}; or `drift` and `noise` alone; or the `name` of a system of the \
+             project, see `casimir new --list`"
         );
     };
-    let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
-    if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
-        refuse!(value, "the parameter `{}` of formulas is one number", **key);
-    }
+    single(table)?;
     let words = |text: &At<Text>| text.0.clone();
     let state = State::new(state)?;
     let d = state.components.len();
@@ -63,7 +60,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         structure: texts((&state, &constants.names), structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
-        baths: Vec::new(),
+        ..Definition::default()
     };
     let y0 = &settings.initial;
     let shares = baths(reading, &mut definition, y0)?;
@@ -100,9 +97,18 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         }),
         components: definition.state,
         names,
-        energy: Further::Energy(energy.clone()),
+        energy: Some(Further::Energy(energy.clone())),
         quantities,
     })
+}
+
+/// Refuses parameters that are lists.
+pub fn single(table: &SystemTable) -> Read<()> {
+    let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
+    if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
+        refuse!(value, "the parameter `{}` of formulas is one number", **key);
+    }
+    Ok(())
 }
 
 /// Times at which an equation is compared, and the relative difference that counts as rounding.
@@ -213,7 +219,7 @@ pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
 }
 
 /// The error in a definition, at its place in the scene.
-fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
+pub fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
     let table = &reading.file.system;
     let structure = table.structure.as_ref();
     let (mut formula, mut place) = (None, structure.map(At::span));
@@ -237,6 +243,16 @@ fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> 
             let of = |bath: &BathTable| bath.through.len() + 3 * bath.transverse.len();
             let all = reading.file.bath.iter().flat_map(|bath| vec![bath; of(bath)]);
             place = all.skip(m - 1).map(|bath| bath.temperature.span()).next();
+        }
+        Which::Field(m, i) => {
+            let field = match m {
+                0 => table.drift.as_ref(),
+                _ => table.noise.as_ref().and_then(|noise| noise.get(m - 1)),
+            };
+            (formula, place) = match field {
+                Some(field) if i > 0 => (field.get(i - 1), place),
+                _ => (None, field.map(At::span)),
+            };
         }
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {

@@ -59,7 +59,7 @@ impl Large {
             names: numbered(&components),
             components,
             sizes: Vec::new(),
-            energy: Further::Quantity(Quantity::Component(3)),
+            energy: Some(Further::Quantity(Quantity::Component(3))),
             quantities,
             model: Box::new(Self { lattice: Arc::new(lattice), damping, start, settings, means }),
         })

@@ -398,7 +398,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         }),
         names,
         components,
-        energy: Further::Quantity(energy),
+        energy: Some(Further::Quantity(energy)),
         quantities,
     })
 }

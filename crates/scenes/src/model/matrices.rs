@@ -166,7 +166,7 @@ fn built(reading: &Reading<'_>, system: Arc<dyn MatrixSystem>, parts: Parts) -> 
         sizes: Vec::new(),
         names: numbered(&components),
         components,
-        energy: Further::Quantity(energy.quantity.clone()),
+        energy: Some(Further::Quantity(energy.quantity.clone())),
         quantities,
         model: Box::new(OfMatrices { problem, system, initial, equation, fluid }),
     })

@@ -7,6 +7,7 @@ mod formulas;
 mod large;
 mod lattice;
 mod matrices;
+mod plain;
 mod project;
 
 use std::sync::{Arc, OnceLock};
@@ -26,7 +27,7 @@ use casimir::{
     },
 };
 
-use crate::{Further, Observable, Read, Reading};
+use crate::{Further, Observable, Read, Reading, SystemTable};
 
 pub use large::Large;
 pub use lattice::MANY_SITES;
@@ -86,6 +87,9 @@ pub trait Model: Send + Sync {
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
         let description = system.description();
+        if description.plain {
+            return None;
+        }
         let few = y0.len() <= MAX_OF_BATH && description.noises <= MAX_NOISES;
         let small = few && !description.depends_on_time;
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
@@ -185,7 +189,7 @@ impl Model for AtRunTime {
         let own = Friction::inside(&self.friction);
         let system = self.problem.system();
         let inside: Option<Box<dyn run_time_schemes::Scheme>> = match scheme {
-            _ if self.friction.is_empty() => None,
+            _ if self.friction.is_empty() || system.description().plain => None,
             BuiltIn::Baoab => Some(Box::new(Baoab::new(own))),
             BuiltIn::SplitH => Some(Box::new(SplitH::of(system, own))),
             BuiltIn::SexpH => Some(Box::new(SexpH::of(system, own))),
@@ -213,12 +217,13 @@ impl Model for AtRunTime {
         let Some((facts, system)) = self.facts().zip(self.formulas.as_ref()) else {
             return Known::default();
         };
-        let laws = self.problem().laws;
+        let (laws, plain) = (self.problem().laws, self.system().description().plain);
         let holds = |name: &str| laws.iter().any(|law| law.name == name);
         let form = |(k, form): (usize, &Form)| {
             let name = format!("C{}", k + 1);
             let broken = if holds(&name) { "" } else { ", which friction breaks" };
-            format!("Casimir {name} = {}{broken}", form.formula())
+            let what = if plain { "Kept: " } else { "Casimir " };
+            format!("{what}{name} = {}{broken}", form.formula())
         };
         let energy = facts.energy_law().filter(|_| holds("H0")).map(|degree| {
             match (facts.damped, self.friction.is_empty()) {
@@ -315,17 +320,20 @@ pub struct Built {
     pub sizes: Vec<usize>,
     /// The names that formulas of observables may use.
     pub names: Names,
-    /// H₀.
-    pub energy: Further,
+    /// H₀; none of an equation without B and H.
+    pub energy: Option<Further>,
     /// Observables that the system itself provides.
     pub quantities: Vec<Observable>,
 }
 
 /// Builds the model of a scene.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    match &reading.file.system.name {
-        Some(name) => project::build(reading, name),
-        None => formulas::build(reading),
+    let SystemTable { name, structure, energy, noises, drift, .. } = &reading.file.system;
+    let is_plain = structure.is_none() && energy.is_none() && noises.is_none();
+    match (name, drift) {
+        (Some(name), _) => project::build(reading, name),
+        (None, Some(drift)) if is_plain => plain::build(reading, drift),
+        _ => formulas::build(reading),
     }
 }
 

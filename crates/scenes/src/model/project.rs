@@ -130,7 +130,7 @@ where
         model: Box::new(Compiled { problem, friction, at_run_time }),
         names,
         components,
-        energy: Further::Quantity(Quantity::Function(Arc::new(energy))),
+        energy: Some(Further::Quantity(Quantity::Function(Arc::new(energy)))),
         quantities: Vec::new(),
     })
 }

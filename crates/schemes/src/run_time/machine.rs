@@ -13,7 +13,7 @@ use super::{
     plan::{Computation, Plan, Source, Stage},
     record::{Operations, Recorder},
 };
-use crate::{Implicit, Step};
+use crate::{Implicit, Step, built_in::PLAIN};
 
 /// The operations of a formula on one system, and memory for them.
 pub struct Machine<'a> {
@@ -84,7 +84,8 @@ impl<'a> Machine<'a> {
     /// they are.
     ///
     /// # Errors
-    /// [`SchemeError`] if an allocation fails, or averages are to be computed tile by tile.
+    /// [`SchemeError`] if an allocation fails, or averages are to be computed tile by tile, or of
+    /// an equation that has none.
     pub fn record<F: Implicit>(
         &mut self,
         formula: &F,
@@ -120,7 +121,11 @@ impl<'a> Machine<'a> {
         let mut recorder = std::mem::take(&mut self.recorder);
         let Operations { nodes, results, .. } = recorder.operations();
         let is_average = |node: &Recorded| matches!(node, Recorded::Of(op) if op.is_average());
-        let (name, layout) = (&self.system.description().name, self.layout);
+        let (description, layout) = (self.system.description(), self.layout);
+        let name = &description.name;
+        if description.plain && nodes.iter().any(is_average) {
+            return Err(SchemeError::not_for("the scheme", name, PLAIN));
+        }
         if layout.is_tiled() && nodes.iter().any(is_average) {
             return Err(SchemeError(format!(
                 "∇̄h of `{name}`, whose h is not quadratic, cannot be computed in tiles: take \

@@ -20,12 +20,15 @@ pub trait Scheme: Send + Sync {
 
 /// Checks that a system has what a scheme with Lévy areas needs.
 fn check_areas(scheme: &'static str, system: &dyn System) -> Result<(), SchemeError> {
-    let Description { name, noises, jacobi_holds, layout, .. } = system.description();
+    let Description { name, noises, jacobi_holds, layout, plain, .. } = system.description();
     match (layout.lanes, jacobi_holds) {
         _ if *noises < 2 => Ok(()),
         (Lanes::Components, _) => Err(SchemeError(format!(
             "no Lévy areas are drawn for one large path, and {scheme} reads them: take sexp-li"
         ))),
+        (Lanes::Paths, false) if *plain => {
+            Err(SchemeError::not_for(scheme, name, "its noises are too many for Lévy areas"))
+        }
         (Lanes::Paths, false) => Err(SchemeError::jacobi(scheme, name)),
         (Lanes::Paths, true) => Ok(()),
     }

@@ -65,8 +65,8 @@ fn check<S: PoissonSystem<D, M> + Tuned<D, M> + Clone, const D: usize, const M: 
 ) {
     let adapter = Compiled::new(system.clone(), y0);
     let flows = |kind: &BuiltIn| {
-        use BuiltIn::{Baoab, Nv, SexpH, Split, SplitH};
-        matches!(kind, Nv | Split | SplitH | SexpH | Baoab)
+        use BuiltIn::{Baoab, HeunLevy, Nv, SexpH, Split, SplitH};
+        matches!(kind, Nv | Split | SplitH | SexpH | Baoab | HeunLevy)
     };
     for kind in BuiltIn::ALL.into_iter().filter(|kind| !flows(kind)) {
         let compiled = S::scheme(kind, &system, y0).unwrap();

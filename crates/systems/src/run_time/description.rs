@@ -96,6 +96,9 @@ pub struct Description {
     pub rule: Rule,
     /// Whether Hamiltonians depend on time. B does not.
     pub depends_on_time: bool,
+    /// Whether the system is an equation of drift and noises alone, without B and Hamiltonians: as
+    /// operations B is the identity and ∇Hₘ the field fₘ, and there is neither ∇̄h nor an energy.
+    pub plain: bool,
     /// Whether a heat bath shifts the increments of noises, so that
     /// [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
     pub has_bath: bool,
@@ -149,6 +152,7 @@ impl Description {
             always_solvable: false,
             rule,
             depends_on_time: false,
+            plain: false,
             has_bath: false,
             parts: Err("it names no parts".into()),
             invariants: Vec::new(),

@@ -154,19 +154,28 @@ fn split_h_is_compiled_for_flows() {
     assert_order("compiled pendulum", &order, 1.5);
 }
 
-/// With flows of the noise, and without: those of x²y are not known.
+/// A spin with noise part of which has no flow: that of x²y is not known.
+fn cubic(noise: &str) -> Case {
+    let texts = ("x y z", &SPIN[..], "0.8*z^2 - 0.5*x", &[noise][..]);
+    case(("cubic", 1.5), texts, Arc::new(constant(0.2)), &[], &[0.6, 0.0, 0.8])
+}
+
 #[test]
 fn sexp_h_has_strong_order_two_or_one_and_a_half() {
-    let cubic = |noise| {
-        let texts = ("x y z", &SPIN[..], "0.8*z^2 - 0.5*x", &[noise][..]);
-        case(("cubic", 1.5), texts, Arc::new(constant(0.2)), &[], &[0.6, 0.0, 0.8])
-    };
-    let [shared, alone] = ["0.7*z + 0.3*x^2*y", "0.8*x^2*y"].map(cubic);
+    let alone = cubic("0.8*x^2*y");
     has_order(&alone, "split-h", &SplitH::of(alone.problem.system(), []));
-    let few = [1, 5].map(|k| cases().into_iter().nth(k).unwrap());
-    for case in few.into_iter().chain([shared, alone]) {
+    for case in [1, 5].map(|k| cases().into_iter().nth(k).unwrap()) {
         let scheme = SexpH::of(case.problem.system(), case.friction.clone());
         has_order(&case, "sexp-h", &scheme);
+    }
+}
+
+/// Single steps with strong noise take Newton's method here, which takes the time.
+#[test]
+#[ignore = "long: run by the gate"]
+fn sexp_h_has_its_order_without_flows_of_the_noise() {
+    for case in ["0.7*z + 0.3*x^2*y", "0.8*x^2*y"].map(cubic) {
+        has_order(&case, "sexp-h", &SexpH::of(case.problem.system(), case.friction.clone()));
     }
 }
 
@@ -243,13 +252,18 @@ fn wrong_areas_lose_the_order() {
 /// Where H₀ has a part without a flow a step of `sexp` stands for it; what changes with time is
 /// refused.
 #[test]
-fn parts_without_flows_are_taken_and_drives_are_refused() {
+#[ignore = "long: run by the gate"]
+fn parts_without_flows_are_taken() {
     let rest = ("q p", &PLANE[..], "p^2/2 + cos(q)*(1 + 0.2*sin(p*q))", &["0.3*q"][..]);
     let case = case(("rest", 1.5), rest, Arc::new(constant(0.2)), &[(1, 0.4)], &[0.5, 0.3]);
     let scheme = SplitH::of(case.problem.system(), case.friction.clone());
     let found = measured(&case, &scheme);
     let (lo, hi) = interval(case.name, &found);
     assert!(lo > 1.25 && hi < 2.2, "{found}");
+}
+
+#[test]
+fn drives_are_refused() {
     let driven = texts("q p", &PLANE, "p^2/2 + q^2", &["0.5*sin(6*t)*q"]);
     let driven = FormulaSystem::new(&driven, &[0.5, 0.3]).unwrap();
     let error = SplitH::of(&driven, []).stepper(&driven).err().unwrap();

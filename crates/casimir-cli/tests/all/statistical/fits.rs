@@ -28,7 +28,7 @@ fn samples_of_kubo(seed: u64, power: f64) -> String {
 
 fn fitted(scene: &Scene, table: String, parameters: &[&str]) -> Value {
     let options = json!({ "table": table, "parameters": parameters }).to_string();
-    let found = verbs::call("fit", &options, scene, &Watch::new(())).expect("a fit");
+    let found = verbs::call("fit", &options, scene, None, &Watch::new(())).expect("a fit");
     found.json
 }
 

@@ -5,16 +5,37 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, block_starts, checked_paths, is_by_blocks, step_check},
     mc::{Observe, Role, RunError, Setup, Simulation, TimeSeries, parts::Job},
+    schemes::BuiltIn,
     stats::Warning,
     study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
+    systems::Linearity,
 };
 
-use super::{Settled, Watch, large, scheme};
 use crate::{
     failure::{Done, Failure},
+    large,
     output::{self, Array},
+    watch::Watch,
 };
-use scenes::{Combination, Observable, Quantity, Scene, Sweep, model::Known};
+use scenes::{AUTO, Combination, Observable, Quantity, Scene, Sweep, model::Known};
+
+/// A scheme, and why it was chosen if that was left to the program, or what it loses over long
+/// times: what `plan` settles, so that no part inspects the system.
+pub type Settled = (String, Option<String>);
+
+/// The scheme of a scene.
+pub fn scheme(scene: &Scene) -> Settled {
+    let (auto, because) = scene.model.recommended();
+    let named = &scene.settings.scheme;
+    if named == AUTO {
+        return (auto.into(), Some(because));
+    }
+    let system = scene.model.system().description();
+    let constant = system.linearity == Linearity::Constant;
+    let explicit = BuiltIn::named(named).filter(|of| of.is_explicit(constant) && !system.plain);
+    let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
+    (named.clone(), explicit.map(loses))
+}
 
 /// Results of a run.
 pub struct Results {

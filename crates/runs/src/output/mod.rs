@@ -219,7 +219,8 @@ fn known(value: Option<f64>) -> String {
 
 /// The titles of the columns of [`at_end`].
 fn titles() -> Vec<String> {
-    let of_table = STATISTICS.iter().flat_map(|statistic| {
+    let of_table = STATISTICS.iter().filter(|statistic| statistic.title.is_some());
+    let of_table = of_table.flat_map(|statistic| {
         let beside = statistic.interval.map(|_| ["95 % interval", "step error"]);
         statistic.title.into_iter().chain(beside.into_iter().flatten())
     });

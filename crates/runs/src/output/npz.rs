@@ -7,7 +7,7 @@ use std::{
 
 use casimir::{
     mc::{Role, TimeSeries},
-    study::{Joint, STATISTICS, Series, StudyResult, Summary},
+    study::{Histogram, Joint, STATISTICS, Series, StudyResult, Summary},
 };
 use scenes::Scene;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -118,28 +118,45 @@ pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
     let mut arrays = Vec::new();
     for (k, of) in first.iter().enumerate() {
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);
-        let mut add = |what, width: &[usize], value: &dyn Fn(&Summary, usize) -> Option<f64>| {
-            let (shape, each) = ([axes, &[times], width].concat(), width.iter().product());
-            let mut values = vec![f64::NAN; shape.iter().product()];
-            for (place, series) in runs {
-                let points = series[k].points.iter();
-                let known = points.flat_map(|point| (0..each).map(move |n| value(point, n)));
-                let row = values[place * times * each..].iter_mut().zip(known);
-                row.for_each(|(value, known)| *value = known.unwrap_or(f64::NAN));
-            }
-            arrays.push((format!("{} {what}", of.observable), shape, values));
-        };
+        let mut add =
+            |what: &str, width: &[usize], value: &dyn Fn(&Summary, usize) -> Option<f64>| {
+                let (shape, each) = ([axes, &[times], width].concat(), width.iter().product());
+                let mut values = vec![f64::NAN; shape.iter().product()];
+                for (place, series) in runs {
+                    let points = series[k].points.iter();
+                    let known = points.flat_map(|point| (0..each).map(move |n| value(point, n)));
+                    let row = values[place * times * each..].iter_mut().zip(known);
+                    row.for_each(|(value, known)| *value = known.unwrap_or(f64::NAN));
+                }
+                arrays.push((format!("{} {what}", of.observable), shape, values));
+            };
         for statistic in STATISTICS {
             add(statistic.key, &[], &|point, _| (statistic.of)(point));
             if let Some(interval) = statistic.interval {
-                add("lo", &[], &|point, _| Some(interval(point)?.0));
-                add("hi", &[], &|point, _| Some(interval(point)?.1));
+                // Those of the mean have no other name.
+                let of = if statistic.key == "mean" { "" } else { "variance " };
+                add(&format!("{of}lo"), &[], &|point, _| Some(interval(point)?.0));
+                add(&format!("{of}hi"), &[], &|point, _| Some(interval(point)?.1));
             }
         }
         add("median", &[], &|point, _| point.quantile(0.5)?.value);
         if !of.last().quantiles.is_empty() {
             add("quantiles", &[levels.len()], &|point, level| point.quantiles.get(level)?.value);
         }
+        let at_end = runs.iter().map(|(place, of)| (place, of[k].last().histogram.as_ref()));
+        let at_end: Vec<_> = at_end.filter_map(|(place, of)| Some((place, of?))).collect();
+        let Some(bins) = at_end.iter().map(|(_, of)| of.counts.len()).max() else { continue };
+        let mut add = |what, width: usize, value: &dyn Fn(&Histogram, usize) -> f64| {
+            let shape = [axes, &[width]].concat();
+            let mut values = vec![f64::NAN; shape.iter().product()];
+            for (place, of) in &at_end {
+                let row = values[*place * width..].iter_mut().take(width + of.counts.len() - bins);
+                row.enumerate().for_each(|(n, number)| *number = value(of, n));
+            }
+            arrays.push((format!("{} {what}", first[k].observable), shape, values));
+        };
+        add("histogram", bins, &|of, n| of.counts[n] as f64);
+        add("edges", bins + 1, &|of, n| of.grid.edge(n as u32));
     }
     if !levels.is_empty() {
         arrays.push(list("quantile levels", levels));

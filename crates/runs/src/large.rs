@@ -12,8 +12,8 @@ use casimir::{
     schemes::BuiltIn,
 };
 
-use super::{Results, Settled, Watch};
 use crate::{
+    Results, Settled, Watch,
     failure::{Done, Failure},
     output::npz_bytes,
 };
@@ -83,7 +83,7 @@ pub fn compute(
             break;
         }
     }
-    let means = super::run::means(scene, &tables);
+    let means = crate::run::means(scene, &tables);
     Ok(Some(Results {
         scheme,
         because,
