@@ -116,6 +116,8 @@ pub struct Settings {
     pub times: u64,
     /// Number of snapshots of a large lattice after the start, and their place if it is given.
     pub snapshots: (u64, Option<Range<usize>>),
+    /// Whether a few paths of a large lattice are computed one by one, as `run` does.
+    pub one_by_one: bool,
     /// Key of the random streams.
     pub key: StreamKey,
     /// Truncation of the increments.
@@ -199,6 +201,7 @@ impl Settings {
             paths,
             tables,
             times,
+            one_by_one: false,
             snapshots: (snapshots, place(&run.snapshots)),
             key,
             truncation,

@@ -113,15 +113,6 @@ impl Large {
             columns,
         }
     }
-
-    /// Reason why other commands do not take it.
-    pub(crate) fn refusal(&self) -> String {
-        let spins = self.lattice.crystal().sites();
-        format!(
-            "{spins} spins are computed as one path on all threads, by `run` alone: take fewer \
-             `sizes` here"
-        )
-    }
 }
 
 impl Model for Large {
@@ -145,7 +136,7 @@ impl Model for Large {
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
-        Err(SchemeError::not_for(scheme.id(), "spin-lattice", &self.refusal()))
+        Err(SchemeError::not_for(scheme.id(), "spin-lattice", "one path is on all threads"))
     }
 
     fn expect(&self) -> Option<Expect<'_>> {

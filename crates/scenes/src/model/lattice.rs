@@ -275,7 +275,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let none = vec![Material::default(); each_cell];
     let crystal = Arc::new(Crystal { cell, shape, bonds, materials: none });
     let (sites, settings) = (crystal.sites(), reading.settings);
-    let is_large = sites >= MANY_SITES && !settings.is_study();
+    let is_large = settings.one_by_one && sites >= MANY_SITES && !settings.is_study();
     fits(reading, sites, SITE[usize::from(is_large)])?;
     let start = Start {
         moments: each(reading, "moment", 1.0, each_cell)?,
