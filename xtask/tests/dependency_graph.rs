@@ -19,6 +19,7 @@ schemes: real systems dgrad nonlin noise
 kernels: schemes systems
 stats: real
 mc: stats real schemes systems noise nonlin
+lattice: mc schemes systems nonlin noise real
 matrix: mc schemes systems nonlin dgrad noise real
 study: mc stats noise real
 expectation: mc schemes systems nonlin stats noise real
@@ -27,7 +28,7 @@ stationary: expectation study mc schemes systems nonlin stats noise real
 inspect: mc schemes systems noise real
 analysis: inspect mc stats formula schemes systems nonlin noise real
 plot: stats real
-casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
+casimir: plot analysis inspect stationary expectation study lattice mc stats formula schemes systems \
     nonlin dgrad noise real
 keys: casimir
 scenes: keys casimir kernels matrix

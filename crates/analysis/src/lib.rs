@@ -47,6 +47,7 @@ pub use orders::{
 };
 pub use stats::worse;
 pub use step_check::{
-    Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,
+    Halved, STIFF, StepCheck, StepError, StepErrors, TURN, block_starts, checked_paths,
+    is_by_blocks, step_check,
 };
 pub use stopwatch::{Spread, Stopwatch};

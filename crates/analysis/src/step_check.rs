@@ -4,12 +4,21 @@
 //! size. The differences of means and of deviations, with their standard errors, say how large the
 //! step errors of the run are: about twice the difference at weak order one, 4/3 of it at order
 //! two. Chaotic paths separate, but their means agree. Errors that few paths cannot show are named.
+//!
+//! Of a few long paths the check takes blocks of time: 32 that begin at states of a path, each a
+//! thirtieth of it, all at once. What differs along a path grows with time t like t^g, 0 ≤ g ≤ 1,
+//! and g is seen from the middle of blocks to their end.
+
+use std::f64::consts::LN_2;
 
 use mc::{
     DriveResolution, Kept, LadderError, Observe, Problem, Setup, Statistic, View, parts::Job,
 };
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, WIDTH, elementary::exp2};
+use real::{
+    PathMask, Row, WIDTH,
+    elementary::{exp2, ln, powf},
+};
 use serde::Serialize;
 use stats::CrossMoments;
 
@@ -31,6 +40,8 @@ pub struct StepCheck {
     /// that both may agree on a wrong value; and a number of steps that resolves H(t), if up to 2¹²
     /// times the steps of the run do.
     pub unresolved: Option<(f64, Option<u64>)>,
+    /// Length of the blocks of time that stand for paths, if they do.
+    pub blocks: Option<f64>,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,
 }
@@ -44,7 +55,8 @@ pub struct StepErrors {
     pub mean: Halved,
     /// Standard deviation of the observable.
     pub deviation: Halved,
-    /// Root mean square over paths of the difference between τ and τ/2.
+    /// Root mean square over paths of the difference between τ and τ/2; of blocks, what it grows to
+    /// over the time of a path.
     pub along_paths: f64,
 }
 
@@ -101,6 +113,10 @@ const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
 /// Doublings of the steps of which it is asked whether they resolve H(t).
 const MAX_DOUBLINGS: u32 = 12;
+/// Steps of a path from which few of them are checked by blocks of time, and the parts of its time
+/// that a block is one of: three steps for each of a block make a tenth.
+const LONG: u64 = 100_000;
+const PARTS: u64 = 30;
 /// Largest number of blocks: the check then sees a fiftieth of a deviation.
 const MAX_BLOCKS: u64 = 256;
 
@@ -150,24 +166,47 @@ pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     }
 }
 
+/// Whether the steps of a few paths are checked by blocks of time, which begin at
+/// [`states`](block_starts): where there are many steps, and nothing depends on time.
+pub fn is_by_blocks(run: u64, steps: u64, problem: &Problem<'_>) -> bool {
+    let constant = problem.dampings().all(|damping| {
+        [0.37, 1.0].iter().all(|part| damping.rate(part * problem.t_end) == damping.rate(0.0))
+    });
+    run < WIDTH as u64 && steps >= LONG && problem.in_time.is_none() && constant
+}
+
+/// States at 32 times of the table of a path, in rows, from those of its components.
+pub fn block_starts(components: &[&[f64]]) -> Vec<Row> {
+    let at = |values: &[f64], p: usize| values[p * (values.len() - 1) / WIDTH];
+    components.iter().map(|values| std::array::from_fn(|p| at(values, p))).collect()
+}
+
 /// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
 /// results are not here. `fastest` is the rate of the fastest motion, see
 /// [`fastest`](inspect::facts::fastest()). `told` reports the path-steps that are done: three for
-/// each step of a path.
+/// each step of a path. `blocks` are [states](block_starts) where blocks of time begin that stand
+/// for paths.
 ///
 /// # Errors
 /// [`LadderError`] if the scheme cannot be run on steps of half the size.
 pub fn step_check(
     setup: &Setup<'_>,
     observables: &[&dyn Observe],
-    steps: u64,
-    paths: u64,
+    (steps, paths, blocks): (u64, u64, Option<&[Row]>),
     fastest: f64,
     (truncation, key): (Truncation, StreamKey),
     (job, told): (&Job, &(dyn Fn(u64) + Sync)),
 ) -> Result<Option<StepCheck>, LadderError> {
+    let (run, end) = (steps, setup.problem.t_end);
+    let (steps, paths) = blocks.map_or((run, paths), |_| (2 * (run / (2 * PARTS)), WIDTH as u64));
+    let mut short = setup.clone();
+    short.problem.t_end = if blocks.is_some() { end * (steps as f64 / run as f64) } else { end };
+    let each = if blocks.is_some() { 2 } else { 1 };
     let (twice, family) = (steps.saturating_mul(2), (key, Purpose::StepCheck));
-    let ladder = setup.ladder(twice, 1, truncation, family, paths)?.telling(told);
+    let mut ladder = short.ladder(twice, 1, truncation, family, paths)?.telling(told);
+    if let Some(starts) = blocks {
+        ladder = ladder.starting(|_, _| starts.to_vec());
+    }
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
         let value = phi.values(&initial, PathMask::first(1))[0];
@@ -175,13 +214,22 @@ pub fn step_check(
     };
     let centers: Vec<f64> = observables.iter().map(center).collect();
     let new = || {
-        let sums = vec![CrossMoments::new(3); observables.len()];
-        AtBoth { sums, steps, observables, centers: &centers }
+        let sums = vec![CrossMoments::new(3); each * observables.len()];
+        AtBoth { each, sums, steps, observables, centers: &centers }
     };
     let Some(measured) = ladder.run_in(job, "steps", paths, new) else { return Ok(None) };
-    let of =
-        |((phi, &center), sums): ((&&dyn Observe, &f64), &CrossMoments)| errors(*phi, center, sums);
-    let end = setup.problem.t_end;
+    let of = |((phi, &center), sums): ((&&dyn Observe, &f64), &[CrossMoments])| {
+        let mut found = errors(*phi, center, &sums[each - 1]);
+        if each > 1 {
+            let before = errors(*phi, center, &sums[0]).along_paths;
+            let growth = (found.along_paths / before).clamp(1.0, 2.0);
+            // t^g over PARTS blocks, with 2^g = growth.
+            let grown = powf(PARTS as f64, ln(growth) / LN_2);
+            found.along_paths *= if grown.is_nan() { 1.0 } else { grown };
+        }
+        found
+    };
+    let (steps, twice) = (run, run.saturating_mul(2));
     let drive = DriveResolution::new(&setup.problem);
     let resolved = |steps: &u64| drive.unresolved(2 * steps).is_none();
     let unresolved = drive
@@ -192,19 +240,23 @@ pub fn step_check(
         damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),
         turn: fastest * end / steps as f64,
         unresolved,
+        blocks: blocks.map(|_| short.problem.t_end),
         paths: paths - measured.failed,
         failed: measured.failed,
         observables: observables
             .iter()
             .zip(&centers)
-            .zip(&measured.statistic.sums)
+            .zip(measured.statistic.sums.chunks(each))
             .map(of)
             .collect(),
     }))
 }
 
-/// Moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b² for each observable φ.
+/// Moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b² for each observable φ, at the end, and of
+/// blocks in the middle before.
 struct AtBoth<'a> {
+    /// Number of times.
+    each: usize,
     sums: Vec<CrossMoments>,
     steps: u64,
     observables: &'a [&'a dyn Observe],
@@ -213,10 +265,12 @@ struct AtBoth<'a> {
 
 impl Statistic for AtBoth<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        if view.time != self.steps {
+        let (is_end, each) = (view.time == self.steps, self.each);
+        if !(is_end || each > 1 && 2 * view.time == self.steps) {
             return;
         }
-        for ((phi, center), sums) in self.observables.iter().zip(self.centers).zip(&mut self.sums) {
+        let sums = self.sums.iter_mut().skip(if is_end { each - 1 } else { 0 }).step_by(each);
+        for ((phi, center), sums) in self.observables.iter().zip(self.centers).zip(sums) {
             let values = [0, 1].map(|run| phi.values(view.state(run), view.live));
             for p in view.live.paths() {
                 let [a, b] = values.map(|row| row[p] - center);

@@ -28,6 +28,7 @@
 //!   [`Implicit`](schemes::Implicit) for your own.
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Study`](study::Study),
 //!   [`Ladder`](mc::Ladder) and [`Expect`](expectation::Expect).
+//! - [`lattice`]: one path of a large lattice of spins on all threads.
 //! - [`analysis`]: [`inspect`](inspect::inspect()), [`strong_order`](analysis::strong_order),
 //!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which
 //!   scheme is cheapest for an error.
@@ -43,8 +44,8 @@ pub mod figures;
 #[cfg(feature = "plot")]
 pub use plot;
 pub use {
-    analysis, dgrad, expectation, formula, inspect, mc, noise, nonlin, real, schemes, stationary,
-    stats, study, systems,
+    analysis, dgrad, expectation, formula, inspect, lattice, mc, noise, nonlin, real, schemes,
+    stationary, stats, study, systems,
 };
 
 /// The names that most programs use: `use casimir::prelude::*`.

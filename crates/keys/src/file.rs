@@ -129,7 +129,7 @@ pub struct BathTable {
 pub struct RunTable {
     /// The initial value y(0): a number or a formula of the parameters for each component, and of
     /// random numbers: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1). For spins on a
-    /// lattice three may stand for all. Or the name of a file of states, one in a line: paths take
+    /// lattice three may stand for all, and depend on the place x, y, z of a spin. Or the name of a file of states, one in a line: paths take
     /// them in turn.
     pub initial: At<Start>,
     /// The final time T > 0; paths begin at time 0.
@@ -151,6 +151,9 @@ pub struct RunTable {
     /// Number of saved times, evenly spaced; it divides the number of steps. Default: the largest
     /// number up to 200 that does.
     pub times: Option<At<Count>>,
+    /// Number of snapshots of a large lattice after the start, evenly spaced, with correlations and
+    /// structure factors; it divides the number of saved times. Default: 1, the end.
+    pub snapshots: Option<At<Count>>,
     /// Seed of the random numbers: the same seed gives the same bits. Default: 1.
     pub seed: Option<At<Seed>>,
     /// Order k of the truncation of increments, |ΔW| ≤ √(2kτ|ln τ|), for schemes that need one; the

@@ -85,12 +85,14 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
 }
 
 /// The initial values of a scene: of formulas of independent standard normals z1, z2, … and of
-/// numbers u1, u2, … that are uniform on (0, 1), or of a file.
+/// numbers u1, u2, … that are uniform on (0, 1), or of a file. Sites that have places give them in
+/// the rows that the law fills.
 pub fn initial(
     source: &Source,
     at: &At<Start>,
     constants: &Constants,
     key: StreamKey,
+    has_places: bool,
 ) -> Read<Begun> {
     let texts = match &**at {
         Listed::List(none) if none.is_empty() => {
@@ -104,12 +106,19 @@ pub fn initial(
         // A parameter may have the name.
         _ = names.variable(&name);
     }
+    const PLACES: [&str; 3] = ["x", "y", "z"];
+    if has_places {
+        PLACES.iter().for_each(|name| _ = names.variable(name));
+    }
     let parse = |text: &At<Text>| text.formula(&names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
-    // The variables that are used, and which of them are uniform.
+    // The variables that are used, and which of them are uniform, or components of a place.
     let used: BTreeSet<usize> = formulas.iter().flat_map(Formula::reads).collect();
-    let is_uniform = |k: usize| (k, names.variables()[k].starts_with('u'));
-    let used: Vec<(usize, bool)> = used.into_iter().map(is_uniform).collect();
+    let kind = |k: usize| {
+        let name = &names.variables()[k];
+        (k, name.starts_with('u'), PLACES.iter().position(|place| place == name))
+    };
+    let used: Vec<_> = used.into_iter().map(kind).collect();
     let (variables, is_random) = (names.variables().len(), !used.is_empty());
     // Where a lattice has more components than there are formulas, these are of each site, with
     // random numbers of its own.
@@ -117,11 +126,11 @@ pub fn initial(
         let mut normals = WienerRows::new(key, first_path);
         let mut point = vec![[0.0; WIDTH]; variables];
         for site in rows.chunks_mut(formulas.len()) {
-            for &(k, is_uniform) in &used {
-                if is_uniform {
-                    point[k] = uniform(&mut normals)
-                } else {
-                    normals.increments(1.0, from_mut(&mut point[k]))
+            for &(k, is_uniform, of_place) in &used {
+                match of_place {
+                    Some(c) => point[k] = site[c],
+                    None if is_uniform => point[k] = uniform(&mut normals),
+                    None => normals.increments(1.0, from_mut(&mut point[k])),
                 }
             }
             for (formula, row) in formulas.iter().zip(site) {

@@ -89,6 +89,9 @@ impl Constants {
         let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
         for (key, value) in &system.parameters {
             let Parameter::One(text) = &**value else { continue };
+            if system.name.is_some() && **key == "lattice" {
+                continue; // a word
+            }
             let value = constant(&At::new(value.span(), text.clone()), &none)?;
             if **key == "t" {
                 refuse!(key, "`t` is the time in the rate of damping");

@@ -114,6 +114,10 @@ pub struct Settings {
     pub tables: u64,
     /// Number of saved times.
     pub times: u64,
+    /// Number of snapshots of a large lattice after the start, and their place if it is given.
+    pub snapshots: (u64, Option<Range<usize>>),
+    /// Whether a few paths of a large lattice are computed one by one, as `run` does.
+    pub one_by_one: bool,
     /// Key of the random streams.
     pub key: StreamKey,
     /// Truncation of the increments.
@@ -139,17 +143,19 @@ const MAX_TRIED: u64 = 1_000_000;
 const TIMES: u64 = 200;
 
 impl Settings {
-    /// The settings of a scene, with the changes of a command line.
+    /// The settings of a scene, with the changes of a command line. Initial values of sites of a
+    /// lattice may depend on their places.
     pub fn new(
         source: &Source,
         run: &RunTable,
         constants: &Constants,
         changes: &Changes,
+        has_places: bool,
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         let own = run.seed.as_ref().map_or(1, |seed| seed.0);
         let key = StreamKey { seed: seed.unwrap_or(own), experiment: 0 };
-        let (initial, random) = initial(source, &run.initial, constants, key)?;
+        let (initial, random) = initial(source, &run.initial, constants, key, has_places)?;
         let until = constants.value(&run.until)?;
         if until <= 0.0 {
             refuse!(&run.until, "the final time must be positive, got {until}");
@@ -171,6 +177,10 @@ impl Settings {
             // Or the steps were changed on the command line.
             _ => divisor(TIMES),
         };
+        let snapshots = number(&run.snapshots, 1);
+        if !times.is_multiple_of(snapshots) {
+            refuse!(place(&run.snapshots), "{snapshots} snapshots do not divide {times} times");
+        }
         let tables = if paths < FEW_PATHS { paths } else { number(&run.tables, TABLES).min(paths) };
         let order = number(&run.truncation, 4);
         let Some(truncation) = u32::try_from(order).ok().and_then(|k| Truncation::new(k).ok())
@@ -191,6 +201,8 @@ impl Settings {
             paths,
             tables,
             times,
+            one_by_one: false,
+            snapshots: (snapshots, place(&run.snapshots)),
             key,
             truncation,
             initial_place: run.initial.span(),

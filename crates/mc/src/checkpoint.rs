@@ -70,6 +70,11 @@ impl Checkpoint {
         Self { file: file.into(), program, interval: INTERVAL, state: Mutex::new(state) }
     }
 
+    /// A checkpoint of the same program in another file of the folder.
+    pub(crate) fn beside(&self, name: &str) -> Self {
+        Self::new(self.file.with_file_name(name), self.program.clone())
+    }
+
     /// Path of the file.
     pub fn file(&self) -> &Path {
         &self.file

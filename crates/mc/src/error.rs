@@ -25,7 +25,7 @@ pub enum Cause {
 impl Cause {
     /// The reason of a failed step with this residual, which is infinite if the state is not
     /// finite.
-    pub(crate) fn of_residual(residual: f64) -> Self {
+    pub fn of_residual(residual: f64) -> Self {
         if residual == f64::INFINITY { Self::NotFinite } else { Self::NoSolution { residual } }
     }
 }

@@ -52,7 +52,6 @@
 //! | [`write_csv`] | tables as files |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
 //! | [`Setup::collecting`], [`Along`] | integrals and first passages along paths |
-//! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //! | [`files`] | files that are written whole or not at all |
@@ -70,7 +69,6 @@ mod error;
 pub mod files;
 mod friction;
 mod ladder;
-mod large_path;
 mod memory;
 mod observable;
 mod parallel;
@@ -88,7 +86,6 @@ pub use driver::{GROUP_PATHS, NextNoise, NoiseSource, drawn};
 pub use error::{Cause, LadderError, PathFailure, RunError};
 pub use friction::Friction;
 pub use ladder::{Kept, Ladder, Measured, Nodes, Statistic, TimeChange, View};
-pub use large_path::LargePath;
 pub use memory::{MemoryError, demand};
 pub use observable::{Observable, Observe, StateFunction, add_rows, value_at};
 pub use parallel::in_parallel;

@@ -73,7 +73,7 @@ impl<'a> Setup<'a> {
     /// # Errors
     /// Those of [`Scheme::stepper`]: the scheme is not for the system.
     /// [`SchemeError`] if rows of the system hold one path, which is for
-    /// [`LargePath`](crate::LargePath).
+    /// `lattice::LargePath`.
     pub fn at_run_time(
         problem: &'a run_time::Problem,
         scheme: impl Deref<Target: Scheme> + Send + Sync + 'a,
@@ -94,7 +94,7 @@ pub fn bind_at_run_time<'a>(
     let description = system.description();
     if description.layout.lanes == Lanes::Components {
         return Err(SchemeError(format!(
-            "rows of `{}` hold one path: take `mc::LargePath`, or the layout for many paths",
+            "rows of `{}` hold one path: take `lattice::LargePath`, or the layout for many paths",
             description.name
         )));
     }

@@ -30,6 +30,7 @@
 //! [`Outcomes`]. A [`Watch`] shows progress and ends work early.
 
 pub mod failure;
+mod large;
 pub mod output;
 mod run;
 mod watch;

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{StepCheck, checked_paths, step_check},
-    mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
+    analysis::{StepCheck, block_starts, checked_paths, is_by_blocks, step_check},
+    mc::{Observe, Role, RunError, Setup, Simulation, TimeSeries, parts::Job},
     schemes::BuiltIn,
     stats::Warning,
     study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
@@ -13,7 +13,8 @@ use casimir::{
 
 use crate::{
     failure::{Done, Failure},
-    output,
+    large,
+    output::{self, Array},
     watch::Watch,
 };
 use scenes::{AUTO, Combination, Observable, Quantity, Scene, Sweep, model::Known};
@@ -49,9 +50,11 @@ pub struct Results {
     /// Statistics of all paths, if there are many.
     pub study: Option<StudyResult>,
     /// The means of a few paths in time.
-    means: Vec<Series>,
+    pub(crate) means: Vec<Series>,
     /// Check of the step errors.
     pub check: Option<StepCheck>,
+    /// Correlations and structure factors of a large lattice.
+    pub spectra: Vec<Array>,
     /// Seconds of the computation.
     pub seconds: f64,
 }
@@ -173,7 +176,7 @@ impl Results {
 }
 
 /// The means of the observables of a few paths in time.
-fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
+pub fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
     let longest = tables.iter().map(|table| table.times()).max_by_key(|times| times.len());
     let series = |Observable { name, .. }: &Observable| {
         let columns: Vec<&[f64]> = tables.iter().filter_map(|table| table.column(name)).collect();
@@ -191,7 +194,8 @@ fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
 /// A checked run.
 pub struct Ready<'a> {
     combination: &'a Combination,
-    setup: Setup<'a>,
+    /// None of a large lattice.
+    setup: Option<Setup<'a>>,
     settled: Settled,
 }
 
@@ -199,6 +203,10 @@ impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
     pub fn new(combination: &'a Combination, settled: Settled) -> Done<Self> {
         let scene = &combination.scene;
+        if let Some(large) = scene.model.large() {
+            large::check(scene, large, &settled.0)?;
+            return Ok(Self { combination, setup: None, settled });
+        }
         let setup = scene.collecting(scene.setup(&settled.0)?);
         let settings = &scene.settings;
         if setup.scheme.about().clips_increments
@@ -211,13 +219,18 @@ impl<'a> Ready<'a> {
                 setup.scheme.about().id
             )))?;
         }
-        Ok(Self { combination, setup, settled })
+        Ok(Self { combination, setup: Some(setup), settled })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { combination, setup, settled: (scheme, because) } = self;
+        let Self { combination, setup, settled } = self;
+        let Some(setup) = setup else {
+            let Some(large) = combination.scene.model.large() else { return Ok(None) };
+            return large::compute(combination, large, settled, job, watch);
+        };
+        let (scheme, because) = settled;
         let (scene, prefix) = (&combination.scene, combination.prefix());
         job.section(&prefix);
         let Scene { components, observables, settings, model, .. } = scene;
@@ -249,26 +262,46 @@ impl<'a> Ready<'a> {
             let (what, cost) = (format!("{prefix}paths"), settings.paths.saturating_mul(steps));
             study = watch.under(&what, cost, |told| of_all.telling(told).run_in(job, "study"));
         }
+        let tables_of = |simulation: Simulation<'_>| {
+            let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
+            let paths = |told: &(dyn Fn(u64) + Sync)| {
+                let mut simulation = simulation;
+                simulation.told = Box::new(told);
+                simulation.paths(steps, key, 0..settings.tables)
+            };
+            watch.under(&what, cost, paths).map_err(wrong)
+        };
+        // Blocks of time begin at the states of path 0.
+        let by_blocks = !scene.collects() && is_by_blocks(settings.paths, steps, &setup.problem);
+        let (tables, simulation) = match by_blocks {
+            true => (tables_of(simulation)?, None),
+            false => (Vec::new(), Some(simulation)),
+        };
+        let columns = tables.first().map(|table| table.columns.iter());
+        let columns = columns.map(|all| all.filter(|column| column.role == Role::Component));
+        let starts = columns.map(|all| all.map(|column| &column.values[..]).collect::<Vec<_>>());
+        let starts = starts.filter(|_| !watch.stop.is_asked()).map(|all| block_starts(&all));
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let (what, cost) = (format!("{prefix}step errors"), steps.saturating_mul(3 * checked));
         let check = watch.under(&what, cost, |told| {
             let fastest = model.fastest();
-            step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, told))
+            let of = (steps, checked, starts.as_deref());
+            step_check(&setup, &phi, of, fastest, (truncation, key), (job, told))
         });
         let check = check.map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
-        let paths = |told: &(dyn Fn(u64) + Sync)| {
-            let mut simulation = simulation;
-            simulation.told = Box::new(told);
-            simulation.paths(steps, key, 0..settings.tables)
+        let tables = match simulation {
+            Some(simulation) => tables_of(simulation)?,
+            None => tables,
         };
-        let tables = watch.under(&what, cost, paths).map_err(wrong)?;
         let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
-        Ok(Some(Results { scheme, because, known, tables, study, means, check, seconds }))
+        let spectra = Vec::new();
+        let found =
+            Results { scheme, because, known, tables, study, means, check, spectra, seconds };
+        Ok(Some(found))
     }
 }

@@ -103,17 +103,30 @@ impl Scene {
         let read = || {
             let mut file = parse(&source.text)?;
             sweep::settle(&mut file, &changes.scheme.sets)?;
-            Self::of(&source, file, &Arc::new(changes.clone()))
+            Self::of(&source, file, &Arc::new(changes.clone()), false)
         };
         source.located(read())
     }
 
     /// Makes a scene from the keys of a text.
-    fn of(source: &Source, file: SceneFile, changes: &Arc<Changes>) -> Read<Self> {
+    fn of(
+        source: &Source,
+        file: SceneFile,
+        changes: &Arc<Changes>,
+        one_by_one: bool,
+    ) -> Read<Self> {
         let constants = Constants::new(&file.system)?;
-        let settings = Settings::new(source, &file.run, &constants, changes)?;
+        let mut settings = {
+            let has_places = file.system.name.as_ref().is_some_and(|name| **name == "spin-lattice");
+            Settings::new(source, &file.run, &constants, changes, has_places)?
+        };
+        settings.one_by_one = one_by_one;
         let model::Built { model, components, sizes, names, energy, quantities } =
             model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
+        if let (true, None, (_, Some(place))) = (one_by_one, model.large(), &settings.snapshots) {
+            let words = "snapshots are of up to 99 paths of a `spin-lattice` of at least";
+            refuse!(place.clone(), "{words} {} spins", model::MANY_SITES);
+        }
         let y0 = model.problem().y0;
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());

@@ -145,7 +145,7 @@ impl Sweep {
                     places.insert(0, place);
                 }
             }
-            let mut scene = Scene::of(source, file, changes)?;
+            let mut scene = Scene::of(source, file, changes, true)?;
             if changes.independent {
                 scene.settings.key.experiment = k as u64;
             }
@@ -269,12 +269,12 @@ impl Nearby {
         let near = |&(name, offset, value, change): &(&String, f64, f64, f64)| {
             let (mut file, near) = (file.clone(), value + change);
             put(&mut file, name, near);
-            let (parameter, scene) = (name.clone(), Scene::of(source, file, &changes)?);
+            let (parameter, scene) = (name.clone(), Scene::of(source, file, &changes, false)?);
             let is_observed = words.contains(name) || words.contains("H0");
             Ok(Changed { parameter, value, change: near - value, offset, is_observed, scene })
         };
         let changed = generic.iter().map(near).collect::<Read<_>>()?;
-        Ok(Self { scene: Scene::of(source, file, &changes)?, changed })
+        Ok(Self { scene: Scene::of(source, file, &changes, false)?, changed })
     }
 }
 

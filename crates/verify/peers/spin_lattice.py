@@ -1,5 +1,5 @@
 """What a step of a spin lattice costs in compiled Python, to compare with the example
-`lattice_cost` of `mc`.
+`lattice_cost` of `lattice`.
 
 The same equation as there, on classical spins of a periodic cubic lattice:
 ds = s x (v dt - sigma o dW) with v = grad H0 + alpha s x grad H0 / |s| and H0 = -J sum of s_i . s_j

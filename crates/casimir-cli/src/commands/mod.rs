@@ -41,8 +41,9 @@ use crate::arguments::On;
 /// asked for.
 fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<T> {
     let source = source(&on.scene)?;
-    let read = watch().under(READING, 0, |_| read(source))?;
+    // Before large scenes are read, on all threads.
     on.threads.map_or(Ok(()), limit_threads)?;
+    let read = watch().under(READING, 0, |_| read(source))?;
     on.out.as_deref().map_or(Ok(()), files::check)?;
     Ok(read)
 }

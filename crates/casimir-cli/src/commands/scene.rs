@@ -34,8 +34,9 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
     let ready = watch().under(READING, 0, |_| verbs::ready(&sweep, verbs::settle(&sweep)))?;
     let folder = folder(on, "run")?;
     prepare(&folder)?;
-    let is_study = sweep.scene().settings.is_study();
-    let kept = is_study.then_some(&*folder);
+    let scene = sweep.scene();
+    let keeps = scene.settings.is_study() || scene.model.large().is_some();
+    let kept = keeps.then_some(&*folder);
     let watch = stoppable();
     let job = match kept {
         Some(folder) => keeping(folder, program(sweep.scene(), ""), &watch)?,
@@ -43,7 +44,7 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
     };
     let results = verbs::compute(&sweep, ready, &job, &watch)?;
     let mut stopped = watch.stop.is_asked();
-    let mut next = if is_study { "goes on from there" } else { "begins anew" };
+    let mut next = if keeps { "goes on from there" } else { "begins anew" };
     match job.finish() {
         // The results are here.
         Err(error @ JobError::File { .. }) => {

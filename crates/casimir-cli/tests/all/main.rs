@@ -16,6 +16,7 @@ mod hostile;
 mod initial;
 mod ito;
 mod kept;
+mod lattices;
 mod matrices;
 mod parts;
 mod plain;

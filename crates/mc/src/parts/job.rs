@@ -12,9 +12,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{JobError, Program, Share, merging::Merging, part::Part, work::Work};
+use super::{
+    JobError, Program, Share,
+    merging::Merging,
+    part::{Part, UNFINISHED},
+    work::Work,
+};
 use crate::{
-    Kept,
+    Checkpoint, Kept,
     checkpoint::file_error,
     ladder::{Nodes, merge},
     tree::MergeTree,
@@ -131,6 +136,25 @@ impl Job {
     /// Whether this job goes on from a checkpoint.
     pub fn resumes(&self) -> bool {
         matches!(&self.state().mode, Mode::Part(part) if part.resumes)
+    }
+
+    /// Whether all work is done here, and not in parts.
+    pub fn is_whole(&self) -> bool {
+        match &self.state().mode {
+            Mode::Here => true,
+            Mode::Part(part) => part.is_whole(),
+            Mode::Merge(_) | Mode::Plan(..) => false,
+        }
+    }
+
+    /// A checkpoint of work that is not of groups of paths, in the folder of this job if it has
+    /// one: `name` makes it another than that of other such work. [`remove`](super::remove) takes
+    /// it away.
+    pub fn checkpoint(&self, name: &str) -> Option<Checkpoint> {
+        match &self.state().mode {
+            Mode::Part(part) => Some(part.file.kept.beside(&format!("{UNFINISHED}{name}.bin"))),
+            _ => None,
+        }
     }
 
     /// Ends a [`pilot`](Self::pilot), and returns the pieces of work with the time that they take.

@@ -25,12 +25,24 @@ fn lock_of(folder: &Path, share: Share) -> PathBuf {
     folder.join(format!(".lock.{}", share.file_name()))
 }
 
+/// Prefix of files with unfinished work that is not of groups.
+pub const UNFINISHED: &str = "unfinished-";
+
+/// Files with unfinished work that is not of groups.
+fn unfinished(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let files = fs::read_dir(folder).into_iter().flatten().flatten();
+    files
+        .filter(|file| file.file_name().to_string_lossy().starts_with(UNFINISHED))
+        .map(|file| file.path())
+}
+
 /// Removes the file of a part, or its checkpoint, if there is one.
 ///
 /// # Errors
 /// [`JobError::File`] if the file exists and cannot be removed.
 pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
-    for file in [folder.join(share.file_name()), lock_of(folder, share)] {
+    let own = [folder.join(share.file_name()), lock_of(folder, share)];
+    for file in own.into_iter().chain(unfinished(folder)) {
         match fs::remove_file(&file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
                 return Err(file_error("remove", &file)(error));
@@ -67,8 +79,14 @@ impl Part {
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
-        let (known, resumes) = (Known::open(folder, program)?, !file.works.is_empty());
+        let known = Known::open(folder, program)?;
+        let resumes = !file.works.is_empty() || unfinished(folder).next().is_some();
         Ok(Self { share, file, resumes, known, _lock: lock })
+    }
+
+    /// Whether this part is all of the work.
+    pub fn is_whole(&self) -> bool {
+        self.share == Share::WHOLE
     }
 
     pub fn finish(self) -> Result<(), JobError> {

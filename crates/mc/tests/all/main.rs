@@ -9,7 +9,6 @@ mod expect;
 mod explosive;
 mod failing;
 mod ladder;
-mod lattice;
 mod parts;
 mod simulation;
 mod statistical;

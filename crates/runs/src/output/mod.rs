@@ -7,7 +7,7 @@ mod page;
 mod steps;
 mod sweep;
 
-use std::{mem::take, path::Path};
+use std::path::Path;
 
 use casimir::{
     analysis::aligned,
@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use steps::{step_cell, step_errors};
 
 pub use figures::{Figure, Section, distinct};
-pub use npz::Array;
+pub use npz::{Array, bytes as npz_bytes};
 pub use steps::step_lines;
 
 use crate::{Outcomes, Results, failure::Done, lines_of};
@@ -155,9 +155,15 @@ impl Outcomes<'_> {
                 match format {
                     Format::Csv => write_csv(&tables, &mut text)?,
                     Format::Json => text = serde_json::to_vec(&tables)?,
-                    Format::Npz => text = npz::bytes(npz::paths(&one.scene, tables))?,
+                    Format::Npz => {
+                        let paths = npz::paths(&one.scene, tables);
+                        text = npz::bytes(paths.chain(found.spectra.iter().cloned()))?;
+                    }
                 }
                 write("paths", text)?;
+                if let (Format::Json, [_, ..]) = (format, &found.spectra[..]) {
+                    write("spectra", serde_json::to_vec(&found.spectra)?)?;
+                }
             }
             let name = if single.is_some() { "study" } else { "sweep" };
             let found = match (format, single.map(|(_, found)| found.study.as_ref())) {
@@ -185,8 +191,13 @@ impl Outcomes<'_> {
 pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
     let (statistics, sweep) = (outcomes.arrays(), outcomes.sweep);
     let single = outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty());
-    let tables = single.flat_map(|results| take(&mut results.tables)).collect();
-    [npz::paths(sweep.scene(), kept(sweep.scene(), tables)).collect(), statistics]
+    let (mut tables, mut spectra) = (Vec::new(), Vec::new());
+    for results in single {
+        tables.append(&mut results.tables);
+        spectra.append(&mut results.spectra);
+    }
+    let paths = npz::paths(sweep.scene(), kept(sweep.scene(), tables));
+    [paths.chain(spectra).collect(), statistics]
 }
 
 /// Tables with the columns that a scene keeps.

@@ -52,7 +52,10 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let mut lines = Vec::new();
     let steps = scene.settings.steps;
     let more = |times: f64| digits((steps as f64 * times).ceil());
-    let half = format!("{} paths with half the step", check.paths);
+    let half = match check.blocks {
+        Some(time) => format!("{} blocks of t = {} with half the step", check.paths, rough(time)),
+        None => format!("{} paths with half the step", check.paths),
+    };
     let all = check.failed + check.paths;
     if all == 0 {
         return lines; // interrupted before

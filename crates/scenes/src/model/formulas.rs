@@ -90,6 +90,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         model: Box::new(AtRunTime {
             problem,
             friction,
+            initial: None,
             formulas: Some(system),
             facts: OnceLock::new(),
             flows: OnceLock::new(),

@@ -269,13 +269,14 @@ fn demand(reading: &Reading<'_>, n: usize, sites: usize) -> Read<()> {
 pub fn spins(reading: &Reading<'_>) -> Read<Built> {
     reading.know(&names(SPINS))?;
     let n = whole(reading, "levels", 3, 2..17)?;
-    let (_, shape) = lattice::shape(reading, 1.0, COORDINATE * (n * n) as f64)?;
+    let (_, shape) = lattice::shape(reading, 1.0)?;
+    lattice::fits(reading, shape.sites(), COORDINATE * (n * n) as f64)?;
     let couplings = SpinCouplings {
         exchange: reading.number("exchange", 0.0)?,
         quadratic: reading.number("quadratic", 0.0)?,
         quartic: reading.number("quartic", 0.0)?,
         field: reading.three("field", [0.0; 3])?,
-        bath: lattice::bath(reading)?,
+        bath: lattice::bath(reading, 1)?.map(|(alphas, kt)| [alphas[0], kt]),
     };
     let sites = shape.sites();
     let spins =

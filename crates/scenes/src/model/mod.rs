@@ -4,6 +4,7 @@
 mod bath;
 mod damping;
 mod formulas;
+mod large;
 mod lattice;
 mod matrices;
 mod plain;
@@ -17,7 +18,7 @@ use casimir::{
     inspect::facts::{
         Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, is_divergence_free, span,
     },
-    mc::{Friction, Problem, Setup},
+    mc::{Friction, Initial, Problem, Setup},
     schemes::{Baoab, BuiltIn, Method, SchemeError, SexpH, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
     systems::{
@@ -28,6 +29,8 @@ use casimir::{
 
 use crate::{Further, Observable, Read, Reading, SystemTable};
 
+pub use large::Large;
+pub use lattice::MANY_SITES;
 pub use matrix::Grid;
 
 pub use project::PROJECT;
@@ -131,6 +134,11 @@ pub trait Model: Send + Sync {
         Known::default()
     }
 
+    /// The lattice whose paths are computed one after the other, each on all threads.
+    fn large(&self) -> Option<&Large> {
+        None
+    }
+
     /// Values of the vorticity of a state on a grid of the sphere, of a fluid there.
     fn vorticity(&self, _state: &[f64], _grid: &Grid) -> Option<Vec<f64>> {
         None
@@ -147,6 +155,8 @@ pub trait Model: Send + Sync {
 struct AtRunTime {
     problem: run_time::Problem,
     friction: Vec<Friction>,
+    /// Random initial values that are not those of the settings.
+    initial: Option<Initial<'static>>,
     /// System of formulas; none for a lattice.
     formulas: Option<Arc<FormulaSystem>>,
     /// Facts about the formulas, once they are found.
@@ -167,6 +177,7 @@ impl AtRunTime {
 impl Model for AtRunTime {
     fn problem(&self) -> Problem<'_> {
         let mut problem = Problem::at_run_time(&self.problem);
+        problem.initial.clone_from(&self.initial);
         if let Some(facts) = self.facts() {
             problem.laws = facts.laws(self.system());
         }

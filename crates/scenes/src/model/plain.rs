@@ -57,6 +57,7 @@ pub fn build(reading: &Reading<'_>, drift: &At<Vec<At<Text>>>) -> Read<Built> {
         sizes: Vec::new(),
         names: system.names().clone(),
         model: Box::new(AtRunTime {
+            initial: None,
             problem,
             friction,
             formulas: Some(system),

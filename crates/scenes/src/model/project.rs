@@ -43,12 +43,7 @@ pub const PROJECT: [(&str, &str, &str, Build); 9] = [
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise", |reading| {
         built(reading, with_c(reading, Poisson3::new)?)
     }),
-    (
-        "spin-lattice",
-        lattice::PARAMETERS,
-        "classical spins on a chain, a square or a cubic lattice",
-        lattice::build,
-    ),
+    ("spin-lattice", lattice::PARAMETERS, "classical spins on a lattice", lattice::build),
     ("sphere-euler", matrices::FLUID, "Euler's equations on a sphere by matrices", matrices::fluid),
     ("su-spins", matrices::SPINS, "spins with N levels on a lattice", matrices::spins),
     (

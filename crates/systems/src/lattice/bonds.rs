@@ -3,38 +3,56 @@
 use real::{Kernel, Row, WIDTH, path};
 
 use super::{
-    formulas::Couplings,
-    layout::place,
-    shape::{Direction, Shape},
+    Bond, Crystal, Material,
+    layout::{Sites, place},
 };
 use crate::{cayley::cayley_cross, run_time::Weights};
 
-/// The parts: field and noise, the anisotropy, and for each axis the bonds from even and from odd
-/// coordinates. All flows are rotations, by Cayley's map; a bond turns both spins about their sum.
+/// The parts: field and noise, the anisotropy, and for each kind of bonds those from even and from
+/// odd coordinates, or all if no two of them share a spin. All flows are rotations, by Cayley's
+/// map; a bond turns both spins about their sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// h and the noise.
     Field,
     /// K.
     Anisotropy,
-    /// The bonds along an axis from coordinates of this parity.
-    Bonds { axis: usize, odd: bool },
+    /// The bonds of a kind; where an axis is given those from coordinates of this parity.
+    Bonds { bond: usize, from: Option<(usize, bool)> },
 }
 
 impl Part {
-    /// All parts of a lattice.
-    pub fn all(shape: &Shape, couplings: &Couplings) -> Vec<Self> {
-        let mut parts = vec![Self::Field];
-        if couplings.anisotropy != 0.0 {
+    /// All parts of a lattice, or why they have no flows.
+    pub fn all(crystal: &Crystal) -> Result<Vec<Self>, String> {
+        let (mut parts, shape) = (vec![Self::Field], &crystal.shape);
+        if crystal.materials.iter().any(|of| of.anisotropy != 0.0) {
             parts.push(Self::Anisotropy);
         }
-        for axis in (0..3).filter(|&axis| shape.sizes()[axis] > 1) {
-            parts.push(Self::Bonds { axis, odd: false });
-            if shape.sizes()[axis] > 2 {
-                parts.push(Self::Bonds { axis, odd: true });
+        for (bond, Bond { pair, antisymmetric, .. }) in crystal.bonds.iter().enumerate() {
+            if *antisymmetric != [0.0; 3] {
+                return Err("antisymmetric exchange has no exact flow; take sexp-li".into());
+            }
+            if pair.from != pair.to {
+                parts.push(Self::Bonds { bond, from: None });
+                continue;
+            }
+            let far = |axis: usize| pair.cells[axis].unsigned_abs();
+            let axis = (0..3).find(|&axis| far(axis) > 0).unwrap_or(0);
+            let (size, twice) = (shape.sizes()[axis], 2 * far(axis));
+            if shape.is_periodic(axis) && !size.is_multiple_of(twice) {
+                let even = if twice == 2 { "an even size".into() } else { format!("{twice}k") };
+                return Err(format!(
+                    "axis {} is periodic with {size} sites, and bonds are taken in turn from even \
+                     and odd sites: take {even}, an open end or sexp-li",
+                    axis + 1
+                ));
+            }
+            parts.push(Self::Bonds { bond, from: Some((axis, false)) });
+            if size > twice {
+                parts.push(Self::Bonds { bond, from: Some((axis, true)) });
             }
         }
-        parts
+        Ok(parts)
     }
 }
 
@@ -69,8 +87,9 @@ fn put<const L: usize>(numbers: &mut [f64], (begin, plane): (usize, usize), s: &
 
 /// The flow of a part; L is [`CHUNK`] for rows of paths, 1 for rows of one path.
 pub struct Flow<'a, const L: usize> {
-    pub shape: &'a Shape,
-    pub couplings: Couplings,
+    pub sites: &'a Sites,
+    pub local: bool,
+    pub field: [f64; 3],
     pub part: Part,
     pub h: Weights<'a>,
     pub y: &'a mut [Row],
@@ -81,16 +100,19 @@ impl<const L: usize> Kernel for Flow<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { shape, couplings, part, h, y } = self;
-        let sites = shape.sites();
+        let Self { sites: Sites { crystal, .. }, local, field, part, h, y } = self;
+        let sites = crystal.sites();
         let (y, noises) = (y.as_flattened_mut(), h.dw.as_flattened());
-        let Couplings { exchange, anisotropy, field, noise, local, .. } = couplings;
         for site in 0..sites {
-            let (begin, plane, paths) = place_of::<L>(sites, site);
-            if let Part::Bonds { axis, odd } = part {
-                let begins = shape.coordinate(site, axis) % 2 == usize::from(odd);
-                let up = Direction { axis, up: true };
-                let next = if begins { shape.neighbour(site, up) } else { None };
+            let ((begin, plane, paths), (b, cell)) =
+                (place_of::<L>(sites, site), crystal.coordinates(site));
+            if let Part::Bonds { bond, from } = part {
+                let Bond { pair, exchange, .. } = crystal.bonds[bond];
+                let in_turn = |(axis, odd): (usize, bool)| {
+                    cell[axis] / pair.cells[axis].unsigned_abs() % 2 == usize::from(odd)
+                };
+                let begins = b == pair.from && from.is_none_or(in_turn);
+                let next = if begins { crystal.site(pair.to, cell, pair.cells) } else { None };
                 let Some(next) = next else { continue };
                 let (other, other_plane, _) = place_of::<L>(sites, next);
                 for q in (0..paths).step_by(L) {
@@ -106,6 +128,7 @@ impl<const L: usize> Kernel for Flow<'_, L> {
                 }
                 continue;
             }
+            let Material { anisotropy, noise, .. } = crystal.materials[b];
             let of_noise = if local { (begin, plane) } else { (0, WIDTH) };
             for q in (0..paths).step_by(L) {
                 let mut spins: [[f64; L]; 3] = get(y, (begin + q, plane));

@@ -6,7 +6,7 @@ use real::{Kernel, Real, Row, WIDTH, derivatives};
 
 use super::{
     Shape,
-    layout::{SpinRows, Spins},
+    layout::{MaterialRows, SpinRows, Spins},
 };
 use crate::{
     cayley::{cayley_cross, cross},
@@ -34,8 +34,11 @@ pub struct Couplings {
 /// The loop over the groups of a tile.
 pub struct OnTile<'a, L> {
     pub layout: L,
-    pub directions: usize,
-    pub couplings: Couplings,
+    pub local: bool,
+    /// Whether there is transverse damping.
+    pub damped: bool,
+    /// Rows of the field h: three for all groups, or for each.
+    pub field: &'a [Row],
     pub tile: Range<usize>,
     pub op: Op<&'a [Row]>,
     pub h: Weights<'a>,
@@ -47,8 +50,8 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { layout, directions, couplings, tile, op, h, out } = self;
-        let groups = tile.len() / 3;
+        let Self { layout, local, damped, field, tile, op, h, out } = self;
+        let (groups, first) = (tile.len() / 3, tile.start / 3);
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
                 for $group in 0..groups {
@@ -73,39 +76,36 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
             // −σ²s.
             Op::ItoCorrection { y } => on_each!(|group, rows| {
                 let mut spins = at(&y[tile.clone()], rows);
+                let noise = &layout.materials(first + group).noise;
                 for c in 0..3 {
                     for p in 0..WIDTH {
-                        spins[c][p] *= -(couplings.noise * couplings.noise);
+                        spins[c][p] *= -(noise[p] * noise[p]);
                     }
                 }
                 spins
             }),
             Op::Gradient { y } => on_each!(|group, rows| {
-                let spins = at(&y[tile.clone()], rows);
-                let mut sum = [[0.0; WIDTH]; 3];
-                for direction in 0..directions {
-                    layout.add_neighbours(&tile, group, direction, y, &mut sum);
-                }
-                let noise = increments(couplings.local, h.dw, &tile, rows);
-                couplings.gradient(spins, sum, noise, h.dt)
+                let (spins, exchange) =
+                    (at(&y[tile.clone()], rows), layout.exchange(first + group, y));
+                let begin = if local { tile.start } else { 0 };
+                let noise = if local { rows } else { [0, 1, 2] }.map(|row| &h.dw[begin + row]);
+                let of = layout.materials(first + group);
+                gradient(of, damped, spins, &exchange, [field_of(field, group), noise], h.dt)
             }),
             Op::Hessian { y, u } => on_each!(|group, rows| {
-                let (spins, along) = (at(&y[tile.clone()], rows), at(&u[tile.clone()], rows));
-                let (mut sum, mut sum_along) = ([[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
-                for direction in 0..directions {
-                    layout.add_neighbours(&tile, group, direction, y, &mut sum);
-                    layout.add_neighbours(&tile, group, direction, u, &mut sum_along);
-                }
-                couplings.hessian((spins, along), (sum, sum_along), h.dt)
+                let states = [y, u].map(|y| at(&y[tile.clone()], rows));
+                let exchanges = [y, u].map(|y| layout.exchange(first + group, y));
+                let of = layout.materials(first + group);
+                hessian(of, damped, states, exchanges, field_of(field, group), h.dt)
             }),
             // {Hₘ, H_l} = σ² Σ sᵢ·(e_l × eₘ) for common noise.
-            Op::AreaGradient { .. } => {
-                let weight = couplings.noise * couplings.noise;
+            Op::AreaGradient { .. } => on_each!(|group, rows| {
+                let noise = &layout.materials(first + group).noise;
                 // Rows 1, 2 and 5 have A₁₂, A₁₃ and A₂₃.
-                let v = [(5, -weight), (2, weight), (1, -weight)]
-                    .map(|(row, weight)| h.areas[row].map(|area| area * weight));
-                on_each!(|group, rows| v)
-            }
+                [(5, -1.0), (2, 1.0), (1, -1.0)].map(|(row, sign): (usize, f64)| {
+                    std::array::from_fn(|p| h.areas[row][p] * (sign * (noise[p] * noise[p])))
+                })
+            }),
             Op::AreaHessian { .. } => on_each!(|group, rows| [[0.0; WIDTH]; 3]),
             Op::AveragedGradient { .. } | Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
                 unreachable!("averages are derived")
@@ -114,16 +114,48 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
     }
 }
 
+/// Rows of the field on a group, of those of a tile or of a constant field.
+#[inline(always)]
+fn field_of(field: &[Row], group: usize) -> [&Row; 3] {
+    let begin = if field.len() == 3 { 0 } else { 3 * group };
+    [0, 1, 2].map(|c| &field[begin + c])
+}
+
+/// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
+pub struct EnergyOnTile<'a, L> {
+    pub layout: L,
+    pub field: &'a [Row],
+    pub tile: Range<usize>,
+    pub y: &'a [Row],
+}
+
+impl<L: SpinRows> Kernel for EnergyOnTile<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { layout, field, tile, y } = self;
+        let (groups, mut sum) = (tile.len() / 3, [0.0; WIDTH]);
+        for group in 0..groups {
+            let number = tile.start / 3 + group;
+            let s = at(&y[tile.clone()], [group, group + groups, group + 2 * groups]);
+            let (exchange, field) = (layout.exchange(number, y), field_of(field, group));
+            let anisotropy = &layout.materials(number).anisotropy;
+            for p in 0..WIDTH {
+                for c in 0..3 {
+                    sum[p] -= s[c][p] * (0.5 * exchange[c][p] + field[c][p]);
+                }
+                sum[p] -= 0.5 * anisotropy[p] * s[2][p] * s[2][p];
+            }
+        }
+        sum.iter().sum()
+    }
+}
+
 /// The spins in these rows.
 #[inline(always)]
 fn at(rows: &[Row], [x, y, z]: [usize; 3]) -> Spins {
     [rows[x], rows[y], rows[z]]
-}
-
-/// The increments at a group: its own, or those of all sites.
-#[inline(always)]
-fn increments(local: bool, dw: &[Row], tile: &Range<usize>, rows: [usize; 3]) -> Spins {
-    if local { at(&dw[tile.clone()], rows) } else { [dw[0], dw[1], dw[2]] }
 }
 
 /// A function of two vectors on each lane.
@@ -149,50 +181,75 @@ impl Couplings {
             shape.describe()
         )
     }
+}
 
-    #[inline(always)]
-    fn gradient(self, spins: Spins, sum: Spins, noise: Spins, dt: f64) -> Spins {
-        let [mut x, mut y, mut z] = spins;
-        for p in 0..WIDTH {
-            let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
-            let v = self.at_spin([x[p], y[p], z[p]], lane(&sum), lane(&noise), dt);
-            (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
-        }
-        [x, y, z]
+/// The v of 32 spins, from exchange, field and noise.
+#[inline(always)]
+fn gradient(
+    of: &MaterialRows,
+    damped: bool,
+    spins: Spins,
+    exchange: &Spins,
+    [field, noise]: [[&Row; 3]; 2],
+    dt: f64,
+) -> Spins {
+    let [mut x, mut y, mut z] = spins;
+    for p in 0..WIDTH {
+        let lane = |rows: [&Row; 3]| [rows[0][p], rows[1][p], rows[2][p]];
+        let (sum, acts) = (lane(exchange.each_ref()), [lane(field), lane(noise)]);
+        let v = at_spin(of, damped, p, [x[p], y[p], z[p]], sum, acts, dt);
+        (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
     }
+    [x, y, z]
+}
 
-    #[inline(always)]
-    fn hessian(self, (spins, along): (Spins, Spins), sums: (Spins, Spins), dt: f64) -> Spins {
-        let [mut x, mut y, mut z] = spins;
-        for p in 0..WIDTH {
-            let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
-            let s = real::along([x[p], y[p], z[p]], lane(&along));
-            let sum = real::along(lane(&sums.0), lane(&sums.1));
-            let v = derivatives(self.at_spin(s, sum, [0.0; 3], dt));
-            (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
-        }
-        [x, y, z]
+/// The derivative of the v of 32 spins along others.
+#[inline(always)]
+fn hessian(
+    of: &MaterialRows,
+    damped: bool,
+    [spins, along]: [Spins; 2],
+    exchanges: [Spins; 2],
+    field: [&Row; 3],
+    dt: f64,
+) -> Spins {
+    let [mut x, mut y, mut z] = spins;
+    for p in 0..WIDTH {
+        let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
+        let s = real::along([x[p], y[p], z[p]], lane(&along));
+        let exchange = real::along(lane(&exchanges[0]), lane(&exchanges[1]));
+        let acts = [field.map(|row| row[p]), [0.0; 3]];
+        let v = derivatives(at_spin(of, damped, p, s, exchange, acts, dt));
+        (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
     }
+    [x, y, z]
+}
 
-    /// The v of a spin: −(F dt + σ dw) − α dt (s × F)/|s| with the field F = −∂H₀/∂s =
-    /// JΣs′ + K s_z e_z + h on it.
-    #[inline(always)]
-    fn at_spin<R: Real>(self, s: [R; 3], sum: [R; 3], noise: [f64; 3], dt: f64) -> [R; 3] {
-        let ([x, y, z], j) = (self.field, self.exchange);
-        let field = [sum[0] * j + x, sum[1] * j + y, sum[2] * j + (s[2] * self.anisotropy + z)];
-        let mut v = [R::zero(); 3];
+/// The v of spin p: −(F dt + σ dw) − α dt (s × F)/|s| with the field F = −∂H₀/∂s = Σ(Js′ + D × s′)
+/// + K s_z e_z + h on it.
+#[inline(always)]
+fn at_spin<R: Real>(
+    of: &MaterialRows,
+    damped: bool,
+    p: usize,
+    s: [R; 3],
+    sum: [R; 3],
+    [[x, y, z], noise]: [[f64; 3]; 2],
+    dt: f64,
+) -> [R; 3] {
+    let field = [sum[0] + x, sum[1] + y, sum[2] + (s[2] * of.anisotropy[p] + z)];
+    let mut v = [R::zero(); 3];
+    for c in 0..3 {
+        v[c] = -(field[c] * dt + noise[c] * of.noise[p]);
+    }
+    if damped {
+        let turned = cross(s, field);
+        let weight = inverse_length(s) * (-of.damping[p] * dt);
         for c in 0..3 {
-            v[c] = -(field[c] * dt + noise[c] * self.noise);
+            v[c] = v[c] + turned[c] * weight;
         }
-        if self.damping != 0.0 {
-            let turned = cross(s, field);
-            let weight = inverse_length(s) * (-self.damping * dt);
-            for c in 0..3 {
-                v[c] = v[c] + turned[c] * weight;
-            }
-        }
-        v
     }
+    v
 }
 
 /// 1/|s|, and 0 where there is no spin.

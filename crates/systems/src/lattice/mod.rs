@@ -1,7 +1,7 @@
 //! Classical spins on a lattice.
 //!
-//! A [`SpinLattice`] has spins sᵢ ∈ ℝ³ on a chain, a square or a cubic lattice, with B(y)v = (sᵢ ×
-//! vᵢ). Its Casimirs are the lengths of the spins: every scheme that keeps quadratic Casimirs keeps
+//! A [`SpinLattice`] has spins sᵢ ∈ ℝ³ on a chain, a square, a cubic lattice or any [`Crystal`],
+//! with B(y)v = (sᵢ × vᵢ). Its Casimirs are the lengths of the spins: every scheme that keeps quadratic Casimirs keeps
 //! each of them on its law.
 //!
 //! **Transverse damping.** Bv with v = ∇H₀dt + α(s × ∇H₀)dt/|s| + Σ∇HₘdWₘ is of the form of the
@@ -18,6 +18,9 @@
 //! σ² = 2α/(β(1 + α²)).
 
 mod bonds;
+mod cell;
+mod crystal;
+mod field;
 mod formulas;
 mod layout;
 mod shape;
@@ -29,14 +32,18 @@ use real::{Row, WIDTH, dispatch};
 
 use crate::{
     Invariant, Linearity, SystemError,
+    cayley::cross,
     error::finite,
     paper::valid,
     run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{CHUNK, Flow, Part};
-use formulas::OnTile;
-use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
+use formulas::{EnergyOnTile, OnTile};
+use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES, place};
 
+pub use cell::{Cell, LATTICES, Pair};
+pub use crystal::{Bond, Crystal, Material};
+pub use field::Field;
 pub use formulas::Couplings;
 pub use shape::{Direction, Shape};
 
@@ -70,12 +77,10 @@ pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SpinLattice {
-    shape: Shape,
-    directions: Vec<Direction>,
-    couplings: Couplings,
-    /// For one path: the offsets of each direction, and the last sites of each group of 32.
-    offsets: Vec<((isize, isize), bool)>,
-    ends: Option<Vec<u32>>,
+    sites: Sites,
+    field: Field,
+    local: bool,
+    damped: bool,
     parts: Vec<Part>,
     description: Description,
 }
@@ -86,46 +91,7 @@ impl SpinLattice {
     /// # Errors
     /// [`SystemError`] if a coupling is NaN or infinite.
     pub fn on_paths(shape: Shape, couplings: Couplings) -> Result<Self, SystemError> {
-        let Couplings { exchange, anisotropy, field, noise, damping, .. } = couplings;
-        finite("the exchange J", exchange)?;
-        finite("the anisotropy K", anisotropy)?;
-        field.iter().try_for_each(|&h| finite("the field h", h).map(drop))?;
-        finite("the noise σ", noise)?;
-        finite("the damping α", damping)?;
-        let directions = shape.directions();
-        let odd = (0..3).find(|&axis| shape.is_periodic(axis) && shape.sizes()[axis] % 2 == 1);
-        let parts = Part::all(&shape, &couplings);
-        let exact = if damping != 0.0 {
-            Err("transverse damping has no exact flow; take sexp-li".into())
-        } else if let Some(axis) = odd {
-            let size = shape.sizes()[axis];
-            Err(format!(
-                "axis {} is periodic with {size} sites, and bonds are taken in turn from even and \
-                 odd sites: take an even size, an open end or sexp-li",
-                axis + 1
-            ))
-        } else {
-            Ok(Parts { number: parts.len(), preferred: true, ..Parts::default() })
-        };
-        let sites = shape.sites();
-        let noises = if couplings.local { 3 * sites } else { 3 };
-        let rule = valid(Rule::new(1));
-        let mut description = Description {
-            parameters: couplings.describe(&shape),
-            linearity: Linearity::Affine,
-            always_solvable: true,
-            has_bath: damping != 0.0,
-            jacobi_holds: !couplings.local,
-            parts: exact,
-            invariants: match sites {
-                ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],
-                _ => vec![Invariant::quadratic_casimir("C", "½Σ|sᵢ|²")],
-            },
-            ..Description::new("spin-lattice", 3 * sites, noises, rule)
-        };
-        description.layout.local_noise = couplings.local;
-        let offsets = Vec::new();
-        Ok(Self { shape, directions, couplings, offsets, ends: None, parts, description })
+        Self::cubic(shape, couplings, Lanes::Paths)
     }
 
     /// The lattice on rows that hold one path.
@@ -133,37 +99,93 @@ impl SpinLattice {
     /// # Errors
     /// [`SystemError`] if a coupling is NaN or infinite.
     pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, SystemError> {
-        let mut lattice = Self::on_paths(shape, couplings)?;
-        let Description { dimension, noises, .. } = lattice.description;
-        let mut layout = Layout::one_path(dimension, noises, 3, TILE_ROWS);
-        let Self { shape, directions, .. } = &lattice;
-        let sites = shape.sites();
-        // One more, since the last tile may be shorter.
-        layout.reach = shape.farthest().div_ceil(TILE_SITES) + 1;
-        if couplings.local {
-            (layout.noise_rows, layout.local_noise) = (layout.rows, true);
-        }
-        let offsets = directions
-            .iter()
-            .map(|&direction| (shape.offsets(direction), shape.is_periodic(direction.axis)))
-            .collect();
-        let mut ends = vec![0; sites.div_ceil(WIDTH) * directions.len()];
-        for site in 0..sites {
-            for (d, &direction) in directions.iter().enumerate() {
-                if shape.is_last(site, direction) {
-                    ends[site / WIDTH * directions.len() + d] |= 1 << (site % WIDTH);
-                }
-            }
-        }
-        (lattice.offsets, lattice.ends) = (offsets, Some(ends));
-        lattice.description.layout = layout;
+        Self::cubic(shape, couplings, Lanes::Components)
+    }
+
+    fn cubic(shape: Shape, couplings: Couplings, lanes: Lanes) -> Result<Self, SystemError> {
+        let crystal = Crystal::cubic(shape, &couplings);
+        let words = couplings.describe(&crystal.shape);
+        let mut lattice = Self::new(crystal, couplings.field, couplings.local, lanes)?;
+        lattice.description.parameters = words;
         Ok(lattice)
     }
 
-    /// The shape.
+    /// A crystal in a field, with noise that is `local` or common to all spins, on rows of 32 paths
+    /// or of one path.
+    ///
+    /// # Errors
+    /// [`SystemError`] if a number is NaN or infinite, there is not a material for each site of the
+    /// cell, or a periodic axis is too short for its bonds.
+    pub fn new(
+        crystal: Crystal,
+        field: impl Into<Field>,
+        local: bool,
+        lanes: Lanes,
+    ) -> Result<Self, SystemError> {
+        let (crystal, field) = (crystal.checked()?, field.into());
+        let depends_on_time = matches!(&field, Field::Of { depends_on_time: true, .. });
+        let own_scratch_rows = match &field {
+            Field::Constant(h) => {
+                h.iter().try_for_each(|&h| finite("the field h", h).map(drop))?;
+                0
+            }
+            Field::Of { scratch_rows, .. } => *scratch_rows,
+        };
+        let damped = crystal.materials.iter().any(|of| of.damping != 0.0);
+        let parts = Part::all(&crystal);
+        let exact = match &parts {
+            _ if damped => Err("transverse damping has no exact flow; take sexp-li".into()),
+            _ if own_scratch_rows > 0 => {
+                Err("a field by formulas has no flow; take sexp-li".into())
+            }
+            Err(reason) => Err(reason.clone()),
+            Ok(parts) => Ok(Parts { number: parts.len(), preferred: true, ..Parts::default() }),
+        };
+        let (sites, words) = (crystal.sites(), crystal.describe());
+        let noises = if local { 3 * sites } else { 3 };
+        let mut description = Description {
+            parameters: words,
+            linearity: Linearity::Affine,
+            always_solvable: true,
+            depends_on_time,
+            has_bath: damped,
+            jacobi_holds: !local,
+            parts: exact,
+            invariants: match sites {
+                ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],
+                _ => vec![Invariant::quadratic_casimir("C", "½Σ|sᵢ|²")],
+            },
+            ..Description::new("spin-lattice", 3 * sites, noises, valid(Rule::new(1)))
+        };
+        description.layout.local_noise = local;
+        let mut sites = Sites::new(crystal);
+        if lanes == Lanes::Components {
+            let mut layout = Layout::one_path(description.dimension, noises, 3, TILE_ROWS);
+            // One more, since the last tile may be shorter.
+            layout.reach = sites.group().div_ceil(TILE_SITES) + 1;
+            if local {
+                (layout.noise_rows, layout.local_noise) = (layout.rows, true);
+            }
+            description.layout = layout;
+        }
+        if own_scratch_rows > 0 {
+            let layout = &description.layout;
+            description.own_scratch_rows = layout.tile_rows.min(layout.rows) + own_scratch_rows;
+        }
+        let parts = parts.unwrap_or_default();
+        Ok(Self { sites, field, local, damped, parts, description })
+    }
+
+    /// The numbers of cells.
     #[must_use]
     pub fn shape(&self) -> &Shape {
-        &self.shape
+        &self.sites.crystal.shape
+    }
+
+    /// The crystal.
+    #[must_use]
+    pub fn crystal(&self) -> &Crystal {
+        &self.sites.crystal
     }
 
     /// Component c of a site on path p.
@@ -172,9 +194,75 @@ impl SpinLattice {
         y[row][lane + p]
     }
 
+    fn is_one_path(&self) -> bool {
+        self.description.layout.lanes == Lanes::Components
+    }
+
+    /// Rows of the field on a tile: three if it is constant.
+    fn field_on<'a>(
+        &self,
+        t: f64,
+        tile: &Range<usize>,
+        constant: &'a mut [Row; 3],
+        scratch: &'a mut [Row],
+    ) -> &'a [Row] {
+        match &self.field {
+            Field::Constant(h) => {
+                *constant = h.map(|h| [h; WIDTH]);
+                constant
+            }
+            Field::Of { of, .. } => {
+                let (rows, scratch) = scratch.split_at_mut(tile.len());
+                for (group, rows) in rows.chunks_exact_mut(3).enumerate() {
+                    of(t, &self.places(tile.start / 3 + group), rows, scratch);
+                }
+                rows
+            }
+        }
+    }
+
+    /// H₀ of the spins of a tile of one path; that of a bond is shared by its spins.
+    #[must_use]
+    pub fn energy_of_tile(
+        &self,
+        y: &[Row],
+        t: f64,
+        tile: Range<usize>,
+        scratch: &mut [Row],
+    ) -> f64 {
+        let mut constant = [[0.0; WIDTH]; 3];
+        let field = self.field_on(t, &tile, &mut constant, scratch);
+        let layout = OnePath(&self.sites, self.sites.crystal.sites());
+        dispatch(EnergyOnTile { layout, field, tile, y })
+    }
+
+    /// A spin of path p.
+    #[must_use]
+    pub fn spin(&self, y: &[Row], site: usize, p: usize) -> [f64; 3] {
+        if !self.is_one_path() {
+            return [0, 1, 2].map(|c| y[3 * site + c][p]);
+        }
+        let (begin, plane) = place(self.sites.crystal.sites(), site);
+        [0, 1, 2].map(|c| y.as_flattened()[begin + c * plane])
+    }
+
+    /// The places of a group.
+    fn places(&self, number: usize) -> [Row; 3] {
+        let crystal = &self.sites.crystal;
+        if !self.is_one_path() {
+            return crystal.place(number).map(|r| [r; WIDTH]);
+        }
+        let mut places = [[0.0; WIDTH]; 3];
+        for p in 0..WIDTH.min(crystal.sites() - number * WIDTH) {
+            let place = crystal.place(number * WIDTH + p);
+            (0..3).for_each(|c| places[c][p] = place[c]);
+        }
+        places
+    }
+
     /// The paths of a row, by their places in it.
     fn lanes(&self) -> Range<usize> {
-        if self.ends.is_some() { 0..1 } else { 0..WIDTH }
+        if self.is_one_path() { 0..1 } else { 0..WIDTH }
     }
 }
 
@@ -197,34 +285,54 @@ impl System for SpinLattice {
         if op.is_average() {
             return derived(self, op, h, out, scratch);
         }
-        let (couplings, directions) = (self.couplings, self.directions.len());
-        match &self.ends {
-            None => {
-                let layout = OnPaths { shape: &self.shape, directions: &self.directions };
-                dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
+        let Self { sites, local, damped, .. } = self;
+        let (local, damped, count) = (*local, *damped, sites.crystal.sites());
+        let is_read = matches!(op, Op::Gradient { .. } | Op::Hessian { .. });
+        let mut constant = [[0.0; WIDTH]; 3];
+        let field =
+            if is_read { self.field_on(h.t, &tile, &mut constant, scratch) } else { &constant };
+        match self.is_one_path() {
+            false => {
+                let layout = OnPaths(sites);
+                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
             }
-            Some(ends) => {
-                let sites = self.shape.sites();
-                let layout = OnePath { sites, offsets: &self.offsets, ends };
-                dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
+            true => {
+                let layout = OnePath(sites, count);
+                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
             }
         }
     }
 
-    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
-        let Couplings { exchange, anisotropy, field, noise, local, .. } = self.couplings;
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        let crystal = &self.sites.crystal;
         *out = [0.0; WIDTH];
-        for p in self.lanes() {
-            for site in 0..self.shape.sites() {
-                let s = [0, 1, 2].map(|c| self.at(y, site, c, p));
-                let up = self.directions.iter().filter(|direction| direction.up);
-                for next in up.filter_map(|&direction| self.shape.neighbour(site, direction)) {
-                    let product: f64 = (0..3).map(|c| s[c] * self.at(y, next, c, p)).sum();
+        for site in 0..crystal.sites() {
+            let (b, cell) = crystal.coordinates(site);
+            let Material { anisotropy, noise, .. } = crystal.materials[b];
+            let field = match &self.field {
+                Field::Constant(h) => *h,
+                Field::Of { of, .. } => {
+                    let mut rows = [[0.0; WIDTH]; 3];
+                    of(h.t, &crystal.place(site).map(|r| [r; WIDTH]), &mut rows, scratch);
+                    rows.map(|row| row[0])
+                }
+            };
+            let mine = crystal.bonds.iter().filter(|bond| bond.pair.from == b);
+            let mine: Vec<(usize, &Bond)> = mine
+                .filter_map(|bond| Some((crystal.site(bond.pair.to, cell, bond.pair.cells)?, bond)))
+                .collect();
+            for p in self.lanes() {
+                let s = self.spin(y, site, p);
+                for (next, Bond { exchange, antisymmetric: d, .. }) in &mine {
+                    let next = self.spin(y, *next, p);
+                    let product: f64 = (0..3).map(|c| s[c] * next[c]).sum();
                     out[p] -= exchange * h.dt * product;
+                    let turned = cross(s, next);
+                    out[p] += h.dt * (d[0] * turned[0] + d[1] * turned[1] + d[2] * turned[2]);
                 }
                 out[p] -= 0.5 * anisotropy * h.dt * s[2] * s[2];
                 for c in 0..3 {
-                    let dw = if local { self.at(h.dw, site, c, p) } else { h.dw[c][p] };
+                    let dw = if self.local { self.at(h.dw, site, c, p) } else { h.dw[c][p] };
                     out[p] -= (field[c] * h.dt + noise * dw) * s[c];
                 }
             }
@@ -232,15 +340,18 @@ impl System for SpinLattice {
     }
 
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
-        let (shape, couplings, part) = (&self.shape, self.couplings, self.parts[part]);
+        let Self { sites, local, field, parts, .. } = self;
+        let (local, part) = (*local, parts[part]);
+        // Others have no flows.
+        let Field::Constant(field) = *field else { return };
         match self.description.layout.lanes {
-            Lanes::Paths => dispatch(Flow::<CHUNK> { shape, couplings, part, h, y }),
-            Lanes::Components => dispatch(Flow::<1> { shape, couplings, part, h, y }),
+            Lanes::Paths => dispatch(Flow::<CHUNK> { sites, local, field, part, h, y }),
+            Lanes::Components => dispatch(Flow::<1> { sites, local, field, part, h, y }),
         }
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
-        let sites = self.shape.sites();
+        let sites = self.sites.crystal.sites();
         let spins = if sites <= SPINS_NAMED { index..index + 1 } else { 0..sites };
         *out = [0.0; WIDTH];
         for site in spins {

@@ -75,34 +75,23 @@ impl Shape {
     }
 
     /// The distance between the numbers of neighbours along an axis.
-    pub(super) fn stride(&self, axis: usize) -> usize {
+    fn stride(&self, axis: usize) -> usize {
         self.sizes[..axis].iter().product()
     }
 
-    /// The largest distance between the numbers of neighbours, counted around.
-    pub(super) fn farthest(&self) -> usize {
-        (0..3).filter(|&axis| self.sizes[axis] > 1).map(|axis| self.stride(axis)).max().unwrap_or(0)
-    }
-
     /// The coordinate of a site along an axis.
-    pub(super) fn coordinate(&self, site: usize, axis: usize) -> usize {
+    fn coordinate(&self, site: usize, axis: usize) -> usize {
         site / self.stride(axis) % self.sizes[axis]
     }
 
-    /// The directions along the axes with more than one site.
-    pub(super) fn directions(&self) -> Vec<Direction> {
-        let axes = (0..3).filter(|&axis| self.sizes[axis] > 1);
-        axes.flat_map(|axis| [false, true].map(|up| Direction { axis, up })).collect()
-    }
-
     /// Whether a site is the last one in a direction.
-    pub(super) fn is_last(&self, site: usize, direction: Direction) -> bool {
+    fn is_last(&self, site: usize, direction: Direction) -> bool {
         let end = if direction.up { self.sizes[direction.axis] - 1 } else { 0 };
         self.coordinate(site, direction.axis) == end
     }
 
     /// The difference of the number of a neighbour: inside, and across a periodic end.
-    pub(super) fn offsets(&self, direction: Direction) -> (isize, isize) {
+    fn offsets(&self, direction: Direction) -> (isize, isize) {
         let stride = self.stride(direction.axis) as isize;
         let around = stride * (self.sizes[direction.axis] as isize - 1);
         if direction.up { (stride, -around) } else { (-stride, around) }

@@ -9,7 +9,7 @@ use systems::{
 type Spin = [f64; 3];
 
 /// Numbers in [−1, 1), by multiples of the golden ratio.
-fn number(n: usize) -> f64 {
+pub fn number(n: usize) -> f64 {
     2.0 * (n as f64 * 0.618_033_988_749_894_9 + 0.1).fract() - 1.0
 }
 

@@ -3,6 +3,7 @@
 mod by_hand;
 mod common;
 mod commutators;
+mod crystal;
 mod lattice;
 mod provided;
 mod run_time;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mc::{Checkpoint, LadderError, LargePath, Setup, Simulation, parts::Program};
+use lattice::LargePath;
+use mc::{Checkpoint, LadderError, Setup, Simulation, parts::Program};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use schemes::{Explicit, Heun, Increment, Sexp, SexpLi, Split, WithSolver, run_time::Scheme};
@@ -13,7 +14,7 @@ use systems::{
     run_time::Problem,
 };
 
-use crate::ladder::on_threads;
+use crate::on_threads;
 
 const KEY: StreamKey = StreamKey { seed: 20_261_122, experiment: 0 };
 

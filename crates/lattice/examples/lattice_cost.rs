@@ -1,6 +1,6 @@
 //! What a step of a spin lattice costs.
 //!
-//! `cargo run --release -p casimir-mc --features measuring --example lattice_cost [LEVEL]` prints
+//! `cargo run --release -p casimir-lattice --features measuring --example lattice_cost [LEVEL]` prints
 //! ns per spin and step of cubic lattices with local noise, for several numbers of spins, schemes
 //! and threads: the least of the runs of some seconds. The last column is the time of one thread
 //! over that of two. Then follow steps of `sexp` on a chain of 100 spins, the larger ones without
@@ -8,7 +8,7 @@
 
 use std::{sync::Arc, time::Instant};
 
-use mc::LargePath;
+use lattice::LargePath;
 use noise::{StreamKey, Truncation};
 use nonlin::BlockStatus;
 use real::{Rows, Simd, limit_to};

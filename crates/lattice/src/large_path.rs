@@ -1,5 +1,6 @@
 //! One path of a system with very many components.
 
+use mc::{Cause, Checkpoint, LadderError, PathFailure, parts::JobError};
 use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
@@ -14,11 +15,6 @@ use systems::{
     run_time::{Description, Lanes, Problem, System},
 };
 
-use crate::{
-    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::all_finite,
-    parts::JobError,
-};
-
 /// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
 /// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
 /// few states.
@@ -28,7 +24,7 @@ use crate::{
 ///
 /// ```
 /// use std::sync::Arc;
-/// use mc::LargePath;
+/// use lattice::LargePath;
 /// use noise::{StreamKey, Truncation};
 /// use schemes::SexpLi;
 /// use systems::{Constant, lattice::{Couplings, Shape, SpinLattice}, run_time::Problem};
@@ -61,6 +57,14 @@ pub struct LargePath<'a> {
     /// Description of a failure, except its step and cause.
     failure: PathFailure,
     checkpoint: Option<&'a Checkpoint>,
+}
+
+/// The work on a path so far, as a checkpoint has it.
+#[derive(Serialize, Deserialize)]
+pub struct Work {
+    done: u64,
+    rows: Vec<Row>,
+    source: Source,
 }
 
 /// The source of increments.
@@ -141,24 +145,37 @@ impl<'a> LargePath<'a> {
     /// # Errors
     /// [`JobError`] if the file cannot be read, is damaged or is of another path.
     pub fn keeping(mut self, checkpoint: &'a Checkpoint) -> Result<Self, JobError> {
-        if let Some((done, rows, source)) = checkpoint.read::<(u64, Vec<Row>, Source)>()? {
-            let here = self.stepper.state().len();
-            if rows.len() != here {
-                let [found, here] =
-                    [rows.len(), here].map(|rows| format!("a state of {rows} rows"));
-                return Err(foreign(checkpoint.file(), &found, &here));
-            }
-            self.stepper.state_mut().copy_from_slice(&rows);
-            (self.done, self.source) = (done, source);
+        if let Some(work) = checkpoint.read()? {
+            self.resume(work).map_err(JobError::Refused)?;
         }
         Ok(Self { checkpoint: Some(checkpoint), ..self })
+    }
+
+    /// The work so far, in the form of [`Work`].
+    pub fn work(&self) -> impl Serialize + '_ {
+        (self.done, self.stepper.state(), &self.source)
+    }
+
+    /// Goes on from the work of this path, with the same bits.
+    ///
+    /// # Errors
+    /// A sentence, if the work is of another system.
+    pub fn resume(&mut self, Work { done, rows, source }: Work) -> Result<(), String> {
+        let state = self.stepper.state_mut();
+        if rows.len() != state.len() {
+            let [found, here] = [rows.len(), state.len()];
+            return Err(format!("the work is a state of {found} rows, and here are {here}"));
+        }
+        state.copy_from_slice(&rows);
+        (self.done, self.source) = (done, source);
+        Ok(())
     }
 
     /// Writes the checkpoint, if there is a file for it. [`Checkpoint::failure`] says why that
     /// failed.
     pub fn keep(&self) {
         if let Some(checkpoint) = self.checkpoint {
-            _ = checkpoint.write(&(self.done, self.stepper.state(), &self.source));
+            _ = checkpoint.write(&self.work());
         }
     }
 
@@ -212,7 +229,7 @@ impl<'a> LargePath<'a> {
     }
 
     fn is_finite(&self) -> bool {
-        self.state().par_chunks(1024).all(all_finite)
+        self.state().par_chunks(1024).all(|rows| rows.as_flattened().iter().all(|y| y.is_finite()))
     }
 
     /// The rows of the state, in the layout of the system.

@@ -1,13 +1,14 @@
 //! A path of a million spins that goes on from its checkpoint.
 //!
-//! `cargo run --release -p casimir-mc --features measuring --example restart STEPS [FILE]` prints
+//! `cargo run --release -p casimir-lattice --features measuring --example restart STEPS [FILE]` prints
 //! the seconds and a hash of the state at the end. Kill it, and start it again: with a file it goes
 //! on from there, and the hash is the same.
 
 use std::{sync::Arc, time::Instant};
 
+use lattice::LargePath;
 use mc::{
-    Checkpoint, LargePath,
+    Checkpoint,
     parts::{Program, hash},
 };
 use noise::{StreamKey, Truncation};

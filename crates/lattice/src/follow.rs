@@ -1,0 +1,176 @@
+//! A path with what is measured of it.
+
+use std::io;
+
+use mc::{
+    Checkpoint, PathFailure,
+    parts::{JobError, Stop},
+};
+use real::Row;
+use serde::{Deserialize, Serialize};
+use systems::lattice::SpinLattice;
+
+use crate::{LargePath, Means, Spectra, Work};
+
+/// Steps between two looks at the request to end, and at the time of the last checkpoint.
+const STEPS: u64 = 8;
+
+/// Measurements of a path so far.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Times with means, from 0.
+    pub times: Vec<f64>,
+    /// Means at these times.
+    pub means: Vec<Means>,
+    /// Times of spectra.
+    pub at: Vec<f64>,
+    /// Spectra at these times.
+    pub spectra: Vec<Spectra>,
+    /// Failure of the path, or a note that it was stopped, if it ends early.
+    pub halted: Option<String>,
+}
+
+impl Record {
+    /// Correlations and structure factors along each axis, [path, time, distance or wave number], NaN
+    /// after a path ended early.
+    #[must_use]
+    pub fn spectra_of(records: &[Self]) -> Vec<(String, Vec<usize>, Vec<f64>)> {
+        let Some(longest) = records.iter().max_by_key(|record| record.at.len()) else {
+            return Vec::new();
+        };
+        let times = longest.at.len();
+        let mut arrays = vec![("t of spectra".to_owned(), vec![times], longest.at.clone())];
+        let Some(first) = longest.spectra.first() else { return arrays };
+        let mut add = |name: String, each: usize, of: &dyn Fn(&Spectra) -> &[f64]| {
+            let row = |record: &Self| {
+                let mut all: Vec<f64> =
+                    record.spectra.iter().flat_map(|one| of(one).to_vec()).collect();
+                all.resize(times * each, f64::NAN);
+                all
+            };
+            let values = records.iter().flat_map(row).collect();
+            arrays.push((name, vec![records.len(), times, each], values));
+        };
+        for axis in 0..first.correlations.len() {
+            let number = axis + 1;
+            let each = first.correlations[axis].len();
+            add(format!("correlation {number}"), each, &|of| &of.correlations[axis]);
+            let each = first.structures[axis].len();
+            add(format!("structure {number}"), each, &|of| &of.structures[axis]);
+        }
+        arrays
+    }
+}
+
+/// A path that is advanced to its end while means and spectra are measured.
+///
+/// ```
+/// use std::sync::Arc;
+/// use lattice::{Follow, LargePath};
+/// use mc::parts::Stop;
+/// use noise::{StreamKey, Truncation};
+/// use schemes::SexpLi;
+/// use systems::{Constant, lattice::{Couplings, Shape, SpinLattice}, run_time::Problem};
+///
+/// let couplings = Couplings { exchange: 1.0, ..Couplings::default() };
+/// let lattice = SpinLattice::one_path(Shape::periodic(&[20, 20])?, couplings)?;
+/// let scheme = SexpLi::at_run_time(&lattice)?;
+/// let y0 = [0.0, 0.6, 0.8].repeat(400);
+/// let problem = Problem::new(Arc::new(lattice.clone()), Arc::new(Constant::new(0.0)?), y0, 1.0)?;
+/// let key = StreamKey { seed: 1, experiment: 0 };
+/// let path = LargePath::new(&problem, &scheme, 20, Truncation::new(4)?, key, 0)?;
+/// let follow = Follow { lattice: &lattice, steps: 20, every: 10, spectra_every: 20 };
+/// let mut keep = |_: u64, _: &_| Ok(());
+/// let found = follow.path(path, None, &Stop::default(), &|_| (), &mut keep)?;
+/// // The ground state stays, with −J for each of two bonds of a spin.
+/// assert_eq!((found.times.len(), found.at.len()), (3, 2));
+/// assert!((found.means[2].energy + 2.0).abs() < 1e-14);
+/// assert!((found.spectra[1].correlations[0][7] - 1.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Follow<'a> {
+    /// The lattice of the path.
+    pub lattice: &'a SpinLattice,
+    /// Number of steps.
+    pub steps: u64,
+    /// Steps between means.
+    pub every: u64,
+    /// Steps between spectra, a multiple of that.
+    pub spectra_every: u64,
+}
+
+impl Follow<'_> {
+    /// Advances a path to its end, or until `stop` asks for an earlier one. With a checkpoint it
+    /// goes on from there with the same bits, and writes it now and then, and at a stop. `told`
+    /// hears the steps done since its last call, `keep` gets the number of the step and the state
+    /// wherever spectra are measured.
+    ///
+    /// # Errors
+    /// [`JobError`] if the checkpoint is of another path, or what `keep` does fails.
+    pub fn path(
+        &self,
+        mut path: LargePath<'_>,
+        checkpoint: Option<&Checkpoint>,
+        stop: &Stop,
+        told: &dyn Fn(u64),
+        keep: &mut dyn FnMut(u64, &[Row]) -> io::Result<()>,
+    ) -> Result<Record, JobError> {
+        let mut record = Record::default();
+        let stored = checkpoint.map(Checkpoint::read::<(Work, Record)>).transpose()?.flatten();
+        match stored {
+            Some((work, before)) => {
+                path.resume(work).map_err(JobError::Refused)?;
+                record = before;
+                told(path.steps_done());
+            }
+            None => self.measure(&path, &mut record, keep)?,
+        }
+        let store = |path: &LargePath<'_>, record: &Record| {
+            if let Some(checkpoint) = checkpoint {
+                // `failure` of the checkpoint says why it cannot be written.
+                _ = checkpoint.write(&(path.work(), record));
+            }
+        };
+        while path.steps_done() < self.steps {
+            if stop.is_asked() {
+                store(&path, &record);
+                record.halted = Some(format!("stopped after t = {}", path.time()));
+                return Ok(record);
+            }
+            let steps = (self.every - path.steps_done() % self.every).min(STEPS);
+            if let Err(failure) = path.advance(steps) {
+                let PathFailure { step, cause, tau, .. } = failure;
+                let t = step as f64 * tau;
+                record.halted = Some(format!("step {step} of size {tau}, at t = {t}: {cause}"));
+                return Ok(record);
+            }
+            told(steps);
+            if path.steps_done().is_multiple_of(self.every) {
+                self.measure(&path, &mut record, keep)?;
+            }
+            if checkpoint.is_some_and(Checkpoint::is_due) {
+                store(&path, &record);
+            }
+        }
+        store(&path, &record);
+        Ok(record)
+    }
+
+    fn measure(
+        &self,
+        path: &LargePath<'_>,
+        record: &mut Record,
+        keep: &mut dyn FnMut(u64, &[Row]) -> io::Result<()>,
+    ) -> Result<(), JobError> {
+        let (done, state, t) = (path.steps_done(), path.state(), path.time());
+        record.times.push(t);
+        record.means.push(Means::of(self.lattice, state, t));
+        if done.is_multiple_of(self.spectra_every) {
+            record.at.push(t);
+            record.spectra.push(Spectra::of(self.lattice, state));
+            let wrong = |error: io::Error| JobError::Refused(format!("the spins: {error}"));
+            keep(done, state).map_err(wrong)?;
+        }
+        Ok(())
+    }
+}
