@@ -239,6 +239,8 @@ fn sir() {
     let inspected = succeeds(with_scene(&text).path(), &["inspect", "scene.toml"]);
     assert!(inspected.contains("\n    s + i + r; "), "{inspected}");
     assert!(inspected.contains("∇·f      of some field") && !inspected.contains("nergy"));
+    // All schemes keep what is linear.
+    assert!(inspected.contains("Take heun for paths: it is explicit"), "{inspected}");
     // A random rate of infection leaves it.
     let noisy = text.replace("noise = []", "noise = [[\"-0.3*s*i\", \"0.3*s*i\", \"0\"]]");
     let found = end(&noisy, &["C1 defect"], "heun", 64);
@@ -393,6 +395,29 @@ fn orders() {
     let one = "[\"s*sin(y)\", \"s*x\"]";
     for (scheme, exact) in [("heun", 1.0), ("heun-levy", 1.0), ("em", 0.5)] {
         of(one, scheme, exact);
+    }
+}
+
+/// Five oscillators have five quadratic functions and no more; a noise with a divergence takes away
+/// volume, and the function of its oscillator.
+#[test]
+fn an_inspection_says_what_there_is() {
+    let rates = [1.0, 1.3, 1.7, 2.3, 3.1];
+    let joined = |of: &dyn Fn(usize) -> String| (0..5).map(of).collect::<Vec<_>>().join(", ");
+    let state = joined(&|k| format!("\"a{k}\", \"b{k}\""));
+    let drift = joined(&|k| format!("\"{0}*b{k}\", \"-{0}*a{k}\"", rates[k]));
+    let none = joined(&|_| "\"0\", \"0\"".into()).replacen("\"0\"", "\"a0\"", 1);
+    let start = joined(&|_| "1, 0.5".into());
+    let text = scene(&state, "", &drift, "", &run(&start, 1.0, 64));
+    for (noise, kept, status) in [("", 5, "holds"), (&*format!("[{none}]"), 4, "fails")] {
+        let text = text.replace("noise = []", &format!("noise = [{noise}]"));
+        let found = json(with_scene(&text).path(), &["inspect", "scene.toml", "--json"]);
+        let casimirs = &found["casimirs"];
+        assert_eq!(casimirs["found"].as_array().unwrap().len(), kept, "{found}");
+        assert!(casimirs["complete"] == true, "{found}");
+        assert_eq!(found["fields"]["divergence"]["status"], status, "{found}");
+        assert_eq!(found["fields"]["additive"]["status"], status, "{found}");
+        assert_eq!(found["recommended"][0]["scheme"], "midpoint");
     }
 }
 

@@ -97,6 +97,20 @@ fn operations_are_those_of_fields() {
     }
 }
 
+#[test]
+fn drift_and_noises_may_share_terms() {
+    let words = |texts: [&str; 2]| texts.map(String::from).to_vec();
+    let (drift, noises) = (words(["x*y", "x*y/7"]), vec![words(["x*y/3", "-x*y"])]);
+    let equation = Some(Equation { drift, noises, ito: false });
+    let system = FormulaSystem::new(&Definition { equation, ..definition(false) }, &Y).unwrap();
+    let (y, dw, mut out) = (Rows::splat(&Y), [[0.3; WIDTH]], Rows::zero(2));
+    let mut scratch = Rows::zero(system.description().scratch_rows());
+    let h = Weights { dt: 0.2, dw: &dw, ..Weights::NONE };
+    system.apply(Op::Gradient { y: &y }, 0..2, h, &mut out, &mut scratch);
+    let xy = Y[0] * Y[1];
+    near(&out, [xy * (0.2 + 0.3 / 3.0), xy * (0.2 / 7.0 - 0.3)]);
+}
+
 /// A step on increments 0.3 and −0.1 and the area 0.05, of the size τ = 0.2 about the time T.
 fn step(scheme: &dyn Scheme) -> Rows {
     let system = system(false);
