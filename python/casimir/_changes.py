@@ -21,7 +21,7 @@ class _Others(TypedDict, total=False):
     scheme: str | None
     """The scheme: ``auto`` (one that damps exactly and keeps Casimirs and energy), ``sexp``,
     ``sexp-li``, ``split``, ``split-h``, ``sexp-h``, ``sexp-levy``, ``sexp-li-levy``, ``nv``,
-    ``baoab``, ``midpoint``, ``heun`` or ``em``. Default: ``auto``."""
+    ``baoab``, ``midpoint``, ``heun``, ``heun-levy`` or ``em``. Default: ``auto``."""
     seed: SupportsIndex | str | None
     """Seed of the random numbers: the same seed gives the same bits. Default: 1."""
     tables: SupportsFloat | None
