@@ -10,7 +10,7 @@ pub fn bibtex(result: Option<&Value>) -> String {
     let Some(result) = result else { return ENTRIES.into() };
     let used = [used(result), vec!["always"]].concat();
     let is_used = |entry: &&str| {
-        let mut when = entry.lines().take(1).flat_map(|line| line.split(' '));
+        let mut when = entry.lines().take(1).flat_map(|line| line.split([' ', ',']));
         when.any(|word| used.contains(&word))
     };
     let entries: Vec<&str> = ENTRIES.trim_end().split("\n\n").filter(is_used).collect();
