@@ -24,6 +24,9 @@ class _Others(TypedDict, total=False):
     ``baoab``, ``midpoint``, ``heun``, ``heun-levy`` or ``em``. Default: ``auto``."""
     seed: SupportsIndex | str | None
     """Seed of the random numbers: the same seed gives the same bits. Default: 1."""
+    snapshots: SupportsFloat | None
+    """Number of snapshots of a large lattice after the start, evenly spaced, with correlations
+    and structure factors; it divides the number of saved times. Default: 1, the end."""
     tables: SupportsFloat | None
     """Number of paths of which tables are kept beside the statistics. Default: 3."""
     times: SupportsFloat | None
@@ -81,8 +84,8 @@ class _Span(TypedDict, total=False):
     initial: Any
     """The initial value y(0): a number or a formula of the parameters for each component, and of
     random numbers: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1). For spins on a
-    lattice three may stand for all. Or the name of a file of states, one in a line: paths take
-    them in turn."""
+    lattice three may stand for all, and depend on the place x, y, z of a spin. Or the name of
+    a file of states, one in a line: paths take them in turn."""
     steps: SupportsFloat | None
     """Number of steps on [0, T]."""
     until: Any

@@ -129,8 +129,8 @@ pub struct BathTable {
 pub struct RunTable {
     /// The initial value y(0): a number or a formula of the parameters for each component, and of
     /// random numbers: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1). For spins on a
-    /// lattice three may stand for all, and depend on the place x, y, z of a spin. Or the name of a file of states, one in a line: paths take
-    /// them in turn.
+    /// lattice three may stand for all, and depend on the place x, y, z of a spin. Or the name of a
+    /// file of states, one in a line: paths take them in turn.
     pub initial: At<Start>,
     /// The final time T > 0; paths begin at time 0.
     pub until: At<Text>,

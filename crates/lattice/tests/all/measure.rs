@@ -255,7 +255,8 @@ fn spin_waves(crystal: &Crystal, gap: f64) -> f64 {
 
 /// ⟨1 − m⟩ = kT/N Σ 1/ε of classical spin waves, up to (1 − m)² and the step. Batches are of ten
 /// times of decorrelation 1/(α·gap); an interval of 4.5 standard errors misses by chance with
-/// 4e-4 (Student's t, 15 degrees of freedom) for each of 9. Twice the noise is rejected.
+/// 4e-4 (Student's t, 15 degrees of freedom) for each of 9. Twice the temperature
+/// is rejected, on three of them.
 #[test]
 fn statistical_magnetisation_is_that_of_spin_waves() {
     const KT: f64 = 0.03;
@@ -302,6 +303,9 @@ fn statistical_magnetisation_is_that_of_spin_waves() {
         let (error, bound, exact) = theory(KT, k as u64);
         println!("{name}: {error:e} of {exact:e}, {bound:e}");
         assert!(error < bound && bound < 0.2 * exact, "{name}: {error:e} of {exact:e}, {bound:e}");
+        if k % 4 > 0 {
+            continue;
+        }
         let (error, bound, _) = theory(2.0 * KT, 100 + k as u64);
         assert!(error > 2.0 * bound, "{name}: {error:e} {bound:e}");
     }

@@ -10,7 +10,7 @@ pub type FieldAt = dyn Fn(f64, &[Row; 3], &mut [Row], &mut [Row]) + Send + Sync;
 /// The field h on spins, which H₀ has as −h·s.
 #[derive(Clone)]
 pub enum Field {
-    /// The same for all spins at all times.
+    /// One vector for all spins at all times.
     Constant([f64; 3]),
     /// A function of time and place.
     Of {

@@ -75,7 +75,7 @@ struct Pattern {
     materials: MaterialRows,
 }
 
-/// What a pattern follows from: number of the neighbour, distance and sites; and for each site its
+/// Origin of a pattern: number of the neighbour, distance and sites; and for each site its
 /// number in the cell.
 type Key = (Vec<(usize, isize, u32)>, Vec<usize>);
 
@@ -250,7 +250,7 @@ impl SpinRows for OnePath<'_> {
                     continue;
                 }
                 let spins = self.load(first + far, y);
-                // Products with 1 and 0 and no choice, of which the compiler makes one of addresses.
+                // Products with 1 and 0: of a choice the compiler makes one of addresses.
                 let mut weights = [0.0; WIDTH];
                 for p in 0..WIDTH {
                     weights[p] = f64::from(lanes >> p & 1);

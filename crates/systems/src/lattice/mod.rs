@@ -1,8 +1,8 @@
 //! Classical spins on a lattice.
 //!
 //! A [`SpinLattice`] has spins sᵢ ∈ ℝ³ on a chain, a square, a cubic lattice or any [`Crystal`],
-//! with B(y)v = (sᵢ × vᵢ). Its Casimirs are the lengths of the spins: every scheme that keeps quadratic Casimirs keeps
-//! each of them on its law.
+//! with B(y)v = (sᵢ × vᵢ). Its Casimirs are the lengths of the spins: every scheme that keeps
+//! quadratic Casimirs keeps each of them on its law.
 //!
 //! **Transverse damping.** Bv with v = ∇H₀dt + α(s × ∇H₀)dt/|s| + Σ∇HₘdWₘ is of the form of the
 //! equation and leaves the lengths alone. With |s| = 1 and local noise it is the stochastic
