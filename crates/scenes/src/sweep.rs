@@ -330,7 +330,7 @@ pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {
         if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
             refuse!(
                 one.place.clone(),
-                "`{name}` has {} values, and one is inspected: choose it by --set {name}={first}",
+                "`{name}` has {} values, and one is taken here: choose it by --set {name}={first}",
                 one.values.len()
             );
         }
