@@ -62,7 +62,7 @@ class _Others(TypedDict, total=False):
     statistics: Mapping[str, Any] | None
     """Statistics of how observables depend on each other and on their past."""
     sweep: Mapping[str, Any] | None
-    """Values of parameters that ``casimir run`` varies, one run for each combination: a list, or
+    """Values of parameters that are varied, with an answer for each combination: a list, or
     ``"from:to:number"``."""
     system: Mapping[str, Any] | None
     """The system to simulate."""

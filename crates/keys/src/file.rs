@@ -42,7 +42,7 @@ pub struct SceneFile {
     pub expect: Option<ExpectTable>,
     /// Parameters that `casimir fit` finds.
     pub fit: Option<FitTable>,
-    /// Values of parameters that `casimir run` varies, one run for each combination: a list, or
+    /// Values of parameters that are varied, with an answer for each combination: a list, or
     /// `"from:to:number"`.
     #[serde(default)]
     pub sweep: IndexMap<At<String>, At<Values>>,

@@ -32,6 +32,8 @@ pub struct Spectra {
     pub structures: Vec<Vec<f64>>,
 }
 
+/// The most cells of an axis with spectra, whose sums take the square of their number.
+const MAX_CELLS: usize = 1 << 13;
 /// Pieces of all sites, or of all lines, that are summed one by one.
 const PIECES: usize = 64;
 
@@ -114,16 +116,15 @@ impl Planes {
     /// S(q) along an axis.
     fn structure(&self, crystal: &Crystal, axis: usize) -> Vec<f64> {
         let size = crystal.shape.sizes()[axis];
+        let turns: Vec<[f64; 2]> = (0..size).map(|k| turn(k, size)).collect();
         let at = |k: usize| {
             let (mut re, mut im) = ([0.0; 3], [0.0; 3]);
             for (b, sums) in self.0[axis].chunks(size).enumerate() {
                 let fraction = crystal.cell.sites[b][axis];
+                let angle = std::f64::consts::TAU * (k as f64 * fraction / size as f64);
+                let here = [real::elementary::cos(angle), real::elementary::sin(angle)];
                 for (n, sum) in sums.iter().enumerate() {
-                    let angle = std::f64::consts::TAU * (k as f64 * fraction / size as f64);
-                    let ([c, s], here) = (
-                        turn(k * n, size),
-                        [real::elementary::cos(angle), real::elementary::sin(angle)],
-                    );
+                    let [c, s] = turns[k * n % size];
                     let turned = [c * here[0] - s * here[1], c * here[1] + s * here[0]];
                     for i in 0..3 {
                         re[i] += sum[i] * turned[0];
@@ -139,11 +140,13 @@ impl Planes {
 }
 
 impl Spectra {
-    /// Correlations and structure factors of a state, along the axes with more than one cell.
+    /// Correlations and structure factors of a state, along the axes with more than one cell and
+    /// up to 8192.
     #[must_use]
     pub fn of(lattice: &SpinLattice, y: &[Row]) -> Self {
         let planes = Planes::of(lattice, y);
-        let axes = || (0..3).filter(|&axis| lattice.shape().sizes()[axis] > 1);
+        let axes =
+            || (0..3).filter(|&axis| (2..=MAX_CELLS).contains(&lattice.shape().sizes()[axis]));
         Self {
             correlations: axes().map(|axis| correlation(lattice, y, axis)).collect(),
             structures: axes().map(|axis| planes.structure(lattice.crystal(), axis)).collect(),
@@ -189,8 +192,9 @@ fn correlation(lattice: &SpinLattice, y: &[Row], axis: usize) -> Vec<f64> {
     });
     let total = |k: usize| power.iter().map(|piece| piece[k]).sum::<f64>();
     let power: Vec<f64> = (0..n).map(total).collect();
+    let cosines: Vec<f64> = (0..n).map(|k| turn(k, n)[0]).collect();
     let open = |r: usize| {
-        let terms = power.iter().enumerate().map(|(k, power)| power * turn(k * r, n)[0]);
+        let terms = power.iter().enumerate().map(|(k, power)| power * cosines[k * r % n]);
         terms.sum::<f64>() / n as f64
     };
     let open: Vec<f64> = (0..size).map(open).collect();

@@ -96,24 +96,23 @@ impl Sweep {
     /// # Errors
     /// Those of [`Sweep::new`].
     pub fn apart(source: &Source, changes: &Changes) -> Result<Vec<Apart>, SceneError> {
-        let Self { varied, combinations } = Self::new(source, changes)?;
-        let apart = |(k, Combination { label, places, .. }): (usize, Combination)| {
-            let mut changes = changes.clone();
+        let (_, varied, number) = source.located(Self::axes(source, changes))?;
+        let apart = |k: usize| {
+            let (mut changes, mut words, mut values) = (changes.clone(), Vec::new(), Vec::new());
             let sets = &mut changes.scheme.sets;
-            sets.retain(|set| varied.iter().all(|one| one.name != set.name));
-            let mut values = Vec::new();
-            for (one, place) in varied.iter().zip(places) {
-                values.push((one.name.clone(), one.values[place]));
+            sets.clear();
+            for (one, place) in varied.iter().zip(places(&varied, k)) {
                 let texts = vec![one.texts[place].clone()];
                 sets.push(Set { name: one.name.clone(), values: texts });
+                if one.is_axis() {
+                    words.push(one.words(place));
+                    values.push((one.name.clone(), one.values[place]));
+                }
             }
-            let mut scene = Scene::new(source.clone(), &changes)?;
-            if changes.independent {
-                scene.settings.key.experiment = k as u64;
-            }
-            Ok(Apart { label, values, scene })
+            let scene = Scene::new(source.clone(), &changes)?;
+            Ok(Apart { label: words.join(", "), values, scene })
         };
-        combinations.into_iter().enumerate().map(apart).collect()
+        (0..number).map(apart).collect()
     }
 
     /// The scene of the first combination.
@@ -122,10 +121,33 @@ impl Sweep {
     }
 
     fn of(source: &Source, changes: &Changes) -> Read<Self> {
-        let file = parse(&source.text)?;
-        let mut varied = chosen(&file, &changes.scheme.sets)?;
+        let (file, mut varied, number) = Self::axes(source, changes)?;
         // One for all scenes, which may be many.
         let changes = &Arc::new(changes.clone());
+        let combination = |k: usize| {
+            let (mut words, mut axes, mut file) = (Vec::new(), Vec::new(), file.clone());
+            for (one, place) in varied.iter().zip(places(&varied, k)) {
+                one.put(&mut file, place);
+                if one.is_axis() {
+                    words.push(one.words(place));
+                    axes.push(place);
+                }
+            }
+            let mut scene = Scene::of(source, file, changes, true)?;
+            if changes.independent {
+                scene.settings.key.experiment = k as u64;
+            }
+            Ok(Combination { label: words.join(", "), places: axes, scene })
+        };
+        let combinations = (0..number).map(combination).collect::<Read<_>>()?;
+        varied.retain(Varied::is_axis);
+        Ok(Self { varied, combinations })
+    }
+
+    /// The keys of a scene, the parameters with chosen values, and the number of combinations.
+    fn axes(source: &Source, changes: &Changes) -> Read<(SceneFile, Vec<Varied>, usize)> {
+        let file = parse(&source.text)?;
+        let varied = chosen(&file, &changes.scheme.sets)?;
         let numbers = varied.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MAX_VALUES {
@@ -134,27 +156,20 @@ impl Sweep {
                 "{number} combinations are too many: at most {MAX_VALUES}"
             );
         }
-        let combination = |k: usize| {
-            let (mut rest, mut words, mut places, mut file) = (k, vec![], vec![], file.clone());
-            for one in varied.iter().rev() {
-                let place = rest % one.values.len();
-                rest /= one.values.len();
-                one.put(&mut file, place);
-                if one.is_axis() {
-                    words.insert(0, one.words(place));
-                    places.insert(0, place);
-                }
-            }
-            let mut scene = Scene::of(source, file, changes, true)?;
-            if changes.independent {
-                scene.settings.key.experiment = k as u64;
-            }
-            Ok(Combination { label: words.join(", "), places, scene })
-        };
-        let combinations = (0..number as usize).map(combination).collect::<Read<_>>()?;
-        varied.retain(Varied::is_axis);
-        Ok(Self { varied, combinations })
+        Ok((file, varied, number as usize))
     }
+}
+
+/// The number of the value of each parameter in a combination.
+fn places(varied: &[Varied], combination: usize) -> Vec<usize> {
+    let mut rest = combination;
+    let mut places: Vec<usize> = Vec::new();
+    for one in varied.iter().rev() {
+        places.push(rest % one.values.len());
+        rest /= one.values.len();
+    }
+    places.reverse();
+    places
 }
 
 /// The parameters chosen by the scene and by the command line, which takes precedence.

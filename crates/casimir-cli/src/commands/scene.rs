@@ -120,7 +120,7 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
         let show = |found: &Found| tell(found, to.map(|to| &**to), V::NAME, on.json);
         return one(options, scene, &whole, &show);
     }
-    let (mut unreached, list) = (Ok(()), RefCell::new(Vec::new()));
+    let (mut unreached, list) = (Vec::new(), RefCell::new(Vec::new()));
     for (k, Apart { label, values, scene }) in scenes.iter().enumerate() {
         let folder = whole.join(format!("combination-{}", k + 1));
         if !on.json {
@@ -136,17 +136,14 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
             store(found, &folder, V::NAME).map(drop)
         };
         match one(options, scene, &folder, &show) {
-            Err(Failure::Run(words)) => {
-                unreached = Err(Failure::Run(format!("{label}: {words}")));
-                eprintln!("{label}: {words}");
-            }
+            Err(Failure::Run(words)) => unreached.push(format!("{label}: {words}")),
             done => done?,
         }
     }
     if on.json {
         print_json(&list.into_inner())?;
     }
-    unreached
+    if unreached.is_empty() { Ok(()) } else { Err(Failure::Run(unreached.join("\n"))) }
 }
 
 /// Computes a verb of one scene, whose unfinished work is in a folder.

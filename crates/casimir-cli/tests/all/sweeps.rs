@@ -141,6 +141,9 @@ fn verbs_vary_what_is_varied() {
     let alone = ["--set", "w=1.5", "--set", "s=0.4", "--gradient", "w", "--json", "--out", "alone"];
     let alone = run_json(path, &[&["expect", "scene.toml"][..], &alone].concat());
     assert_eq!(alone["estimates"], list[3]["estimates"]);
+    // Those that fail are all named, and the others are there.
+    let few = ["equilibrium", "scene.toml", "--accuracy", "1e-9", "--path-steps", "1e6"];
+    fails(path, &few, 1, &["error: w = 0.5: ±1e-9 not reached", "\nw = 3/2: ±1e-9 not reached"]);
     let text = succeeds(path, &["order", "scene.toml"]);
     assert!(text.contains("== w = 0.5\n") && text.contains("== w = 3/2\n"), "{text}");
     assert!(path.join("scene-order/combination-2/strong.svg").exists());

@@ -204,15 +204,15 @@ fn ways((command, long): (&str, &str)) -> Vec<String> {
         resumed = said.contains("going on from");
         stopped = code == Some(130) && said.contains("the same command");
     }
-    let short = if command == "fit" { "begins anew" } else { "ends in seconds" };
+    let otherwise = if command == "fit" { "begins anew" } else { "ends in seconds" };
     let python = concat!(env!("CARGO_MANIFEST_DIR"), "/../../python/casimir/_scene.py");
     let python = fs::read_to_string(python).unwrap();
     let parts = command == "run" || python.contains(&format!("verb: Literal[\"{command}\"]"));
     vec![
         yes(swept, "of one scene"),
         yes(of, "–"),
-        yes(stopped, short),
-        yes(resumed, short),
+        yes(stopped, otherwise),
+        yes(resumed, otherwise),
         yes(parts, "no"),
         yes(python.contains(&format!("    def {command}(")), "no"),
     ]

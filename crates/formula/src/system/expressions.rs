@@ -149,18 +149,9 @@ impl Expressions {
         let sum = |k: usize| {
             let of: Vec<Id> = new.fields.iter().map(|field| field[k]).collect();
             let weighted: Vec<Weighted> = of.iter().copied().zip(weights.iter().copied()).collect();
-            // Drift and noises may share terms, also where a constant divides them.
-            let divided = terms(&mut new.graph, &weighted).into_iter().map(|(part, weight)| {
-                match new.graph.node(part) {
-                    Node::Binary(Binary::Div, a, c) if new.graph.as_constant(c).is_some() => {
-                        (a, new.graph.div(weight, c))
-                    }
-                    _ => (part, weight),
-                }
-            });
-            let divided: Vec<Weighted> = divided.collect();
+            // Drift and noises may share terms.
             let (parts, sums): (Vec<Id>, Vec<Id>) =
-                terms(&mut new.graph, &divided).into_iter().unzip();
+                terms(&mut new.graph, &weighted).into_iter().unzip();
             let sums = [(of, weights.clone()), (parts, sums)].map(|(a, b)| new.graph.dot(&a, &b));
             let [direct, shared] = sums.map(|sum| new.graph.needed(&[sum]).len());
             sums[usize::from(shared < direct)]

@@ -83,10 +83,7 @@ impl<'a> Krylov<'a> {
         }
         // How far each path is, and its next step.
         let (mut reached, mut step) = ([0.0; WIDTH], [1.0f64; WIDTH]);
-        // A state that is not finite has no solution.
-        let sizes = self.norm(start);
-        let mut going = PathMask::of(|p| paths.contains(p) && sizes[p].is_finite());
-        let (mut failed, mut iterations) = (paths.without(going), [0; WIDTH]);
+        let (mut going, mut failed, mut iterations) = (paths, PathMask::NONE, [0; WIDTH]);
         while !going.is_empty() {
             for p in going.paths() {
                 self.s[p] = f64::min(reached[p] + step[p], 1.0);
