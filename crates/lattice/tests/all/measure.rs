@@ -134,6 +134,9 @@ fn a_spiral_has_its_wave_vector() {
             let angle = TAU * 5.0 * lattice.crystal().coordinates(site).1[axis] as f64 / 60.0;
             [angle.cos(), 0.0, angle.sin()]
         });
+        // Each spin has a bond along either axis: −cos φ of the turn between neighbours, and −1.
+        let energy = Means::of(&lattice, &y, 0.0).energy;
+        assert!((energy + 1.0 + (TAU * 5.0 / 60.0).cos()).abs() < 1e-13, "{energy}");
         let Spectra { correlations, structures } = Spectra::of(&lattice, &y);
         for (k, s) in structures[axis].iter().enumerate() {
             let expected = if k == 5 || k == 55 { 210.0 } else { 0.0 };
