@@ -29,17 +29,20 @@ pub enum Operation {
     MulAddMul,
 }
 
-/// Banks of rows for scratch and results, by number: groups of inputs are counted from zero.
+/// The bank of scratch rows.
 pub const SCRATCH: u32 = u32::MAX - 1;
+/// The bank of results.
 pub const OUT: u32 = u32::MAX;
 
 /// The most rows that an operation reads.
 pub const MAX_ROWS: usize = 4;
 
-/// A row of a bank.
+/// A row of a bank: of a group of inputs, counted from zero, of scratch, or of the results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
+    /// Number of the bank.
     pub bank: u32,
+    /// Number of the row.
     pub row: u32,
 }
 
@@ -47,11 +50,12 @@ pub struct Place {
 /// may be an operand.
 #[derive(Clone, Copy, Debug)]
 pub struct Instruction {
-    pub operation: Operation,
+    pub(crate) operation: Operation,
+    /// The row that is written.
     pub to: Place,
-    pub from: [Place; MAX_ROWS],
+    pub(crate) from: [Place; MAX_ROWS],
     /// Places in the numbers of the tape.
-    pub numbers: [u32; 3],
+    pub(crate) numbers: [u32; 3],
 }
 
 #[inline(always)]
@@ -68,6 +72,55 @@ fn find<'a, const W: usize>(
         bank => inputs[bank as usize],
     };
     &bank[place.row as usize]
+}
+
+/// Calls `$then!` with every operation: its rows, its numbers, and the value of them.
+macro_rules! operations {
+    ($then:ident) => {
+        $then! {
+            of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
+            Copy, [a], [] => a;
+            Fill, [], [k] => k;
+            Mul, [a b], [k] => (a * b) * k;
+            Scale, [a], [k] => a * k;
+            Div, [a b], [] => a / b;
+            NumberDiv, [a], [k] => k / a;
+            DivNumber, [a], [k] => a / k;
+            Min, [a b], [] => Real::min(a, b);
+            Max, [a b], [] => Real::max(a, b);
+            Where, [a b c d], [] => Real::where_less(a, b, c, d);
+            Add, [a b], [k _l m] => (a + b * m) * k;
+            ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;
+            AddNumber, [a], [k l m] => (a * l + m) * k;
+            MulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
+            MulAddNumber, [a b], [k l m] => (a * b * l + m) * k;
+            MulAddMul, [a b c d], [k l m] => (a * b * l + c * d * m) * k;
+        }
+    };
+}
+
+impl Instruction {
+    /// The value from those of rows and numbers, for any numbers: of `f64` the bits of the tape.
+    pub fn value<R: Real>(&self, row: impl Fn(Place) -> R, number: impl Fn(u32) -> R) -> R {
+        use {Operation::*, Unary::*};
+        let Self { operation, from, numbers, .. } = self;
+        macro_rules! of_one {
+            (of $($function:ident)*; $($rest:tt)*) => {
+                of_one! { $(Of($function), [a], [] => $function.value(a);)* $($rest)* }
+            };
+            ($($operation:pat, [$($row:ident)*], [$($number:ident)*] => $value:expr;)*) => {
+                match operation {
+                    $($operation => {
+                        let (mut _from, mut _at) = (from.iter(), numbers.iter());
+                        $(let $row = row(_from.next().copied().unwrap_or_default());)*
+                        $(let $number = number(_at.next().copied().unwrap_or_default());)*
+                        $value
+                    })*
+                }
+            };
+        }
+        operations!(of_one)
+    }
 }
 
 /// Runs the instructions on rows of W numbers.
@@ -106,24 +159,6 @@ pub fn run<const W: usize>(
                 }
             };
         }
-        on_lanes! {
-            of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
-            Copy, [a], [] => a;
-            Fill, [], [k] => k;
-            Mul, [a b], [k] => (a * b) * k;
-            Scale, [a], [k] => a * k;
-            Div, [a b], [] => a / b;
-            NumberDiv, [a], [k] => k / a;
-            DivNumber, [a], [k] => a / k;
-            Min, [a b], [] => Real::min(a, b);
-            Max, [a b], [] => Real::max(a, b);
-            Where, [a b c d], [] => if a < b { c } else { d };
-            Add, [a b], [k _l m] => (a + b * m) * k;
-            ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;
-            AddNumber, [a], [k l m] => (a * l + m) * k;
-            MulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
-            MulAddNumber, [a b], [k l m] => (a * b * l + m) * k;
-            MulAddMul, [a b c d], [k l m] => (a * b * l + c * d * m) * k;
-        }
+        operations!(on_lanes);
     }
 }

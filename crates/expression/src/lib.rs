@@ -34,6 +34,7 @@ mod uniform;
 
 pub use affine::{Affine, forms};
 pub use graph::{Binary, Graph, Id, Node, Unary, place};
+pub use instruction::{Instruction, OUT, Place, SCRATCH};
 pub use tape::Tape;
 pub use terms::{Weighted, terms};
 pub use uniform::Numbers;

@@ -79,10 +79,16 @@ impl Tape {
         self.scratch
     }
 
-    /// The number of instructions.
+    /// The instructions.
     #[must_use]
-    pub fn instructions(&self) -> usize {
-        self.code.len()
+    pub fn instructions(&self) -> &[Instruction] {
+        &self.code
+    }
+
+    /// The number of results.
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        self.outputs
     }
 
     /// The results at 32 points. Nothing is allocated. `scratch` may have any content.

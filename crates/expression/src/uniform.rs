@@ -15,6 +15,8 @@ pub struct Numbers {
     values: Vec<f64>,
     /// Numbers that depend on the inputs, with their places. Operands are places.
     computed: Vec<(usize, Node)>,
+    /// Number of inputs.
+    inputs: usize,
 }
 
 /// The place of one among the numbers.
@@ -25,7 +27,7 @@ impl Numbers {
     /// each expression.
     pub fn new(graph: &Graph, inputs: &Range<usize>, taken: &[Id]) -> (Self, Vec<u32>) {
         let values = [1.0, -1.0].repeat(1 + inputs.len());
-        let mut numbers = Self { values, computed: Vec::new() };
+        let mut numbers = Self { values, computed: Vec::new(), inputs: inputs.len() };
         let (mut places, mut varies) = (vec![ONE; graph.size()], vec![false; graph.size()]);
         for id in graph.needed(taken) {
             let (index, node, place) = (id.index(), graph.node(id), numbers.values.len());
@@ -63,6 +65,13 @@ impl Numbers {
     /// The numbers.
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// Whether the number at a place depends on the inputs.
+    pub fn varies(&self, place: usize) -> bool {
+        let inputs = 2..2 * (1 + self.inputs);
+        let first = place & !1;
+        inputs.contains(&first) || self.computed.iter().any(|(of, _)| *of == first)
     }
 }
 

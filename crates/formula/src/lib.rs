@@ -64,5 +64,6 @@ pub use formula::Formula;
 pub use names::{NameError, Names, nearest};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
 pub use system::{
-    Bath, Coordinate, Definition, DefinitionError, Equation, FormulaSystem, Structure, Which,
+    Bath, Coordinate, Definition, DefinitionError, Equation, FormulaProgram, FormulaSystem,
+    Structure, Which,
 };

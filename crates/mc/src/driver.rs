@@ -64,6 +64,11 @@ impl Batch {
         }
     }
 
+    /// Whether a run is one of them.
+    pub fn has(&self, run: usize) -> bool {
+        self.runs.contains(&run)
+    }
+
     /// Level of the steps at whose ends the runs advance.
     pub fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
@@ -173,7 +178,7 @@ impl Driver<'_> {
     }
 
     /// Step number `n` of a level.
-    fn step(&self, level: usize, n: u64) -> Step {
+    pub fn step(&self, level: usize, n: u64) -> Step {
         // `Ladder::new` checks that the finest step is positive and finite.
         let new = || {
             Step::new(self.dampings[0], n, self.tau(level))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, elementary::exp, golden};
-use schemes::{About, Method, Step, Stepper};
+use schemes::{About, Listing, Method, Step, Stepper};
 use systems::Damping;
 
 use crate::{Coefficients, ConformalLaw, Problem, Setup};
@@ -199,5 +199,19 @@ impl Stepper for DampedStepper<'_> {
         self.inner.step(step, noise, status);
         self.scale(|friction| step.decay(&*friction.damping, 1));
         status.fail_where_not_finite(self.inner.state());
+    }
+
+    fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
+        let factors = |half| {
+            let of = move |one: &Friction| {
+                let factor = step.decay(&*one.damping, half);
+                one.components.iter().map(|&i| (i, factor)).collect::<Vec<_>>()
+            };
+            self.friction.iter().flat_map(of)
+        };
+        let mut listing = self.inner.listing(step)?;
+        listing.before.splice(0..0, factors(0));
+        listing.after.extend(factors(1));
+        Some(listing)
     }
 }

@@ -12,6 +12,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
+    device::{Ahead, Wanted},
     driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
@@ -59,6 +60,10 @@ impl<'a> View<'a> {
 pub trait Statistic: Send {
     /// Adds one block at one time.
     fn observe(&mut self, view: &View<'_>);
+    /// Whether it reads the states after a coarsest step.
+    fn reads(&self, _time: u64) -> bool {
+        true
+    }
     /// Adds the results of `later` paths.
     fn merge(&mut self, later: Self);
 }
@@ -67,6 +72,10 @@ pub trait Statistic: Send {
 impl<T: Statistic> Statistic for Vec<T> {
     fn observe(&mut self, view: &View<'_>) {
         self.iter_mut().for_each(|statistic| statistic.observe(view));
+    }
+
+    fn reads(&self, time: u64) -> bool {
+        self.iter().any(|statistic| statistic.reads(time))
     }
 
     fn merge(&mut self, later: Self) {
@@ -104,6 +113,8 @@ pub trait TimeChange: Send + Sync {
 /// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
 pub struct Ladder<'a> {
     driver: Driver<'a>,
+    /// The paths on a device, if there is one for them.
+    ahead: Option<Ahead<'a>>,
     /// Bytes of stack for a group.
     stack: usize,
     progress: Box<dyn Fn(u64) + Sync + 'a>,
@@ -225,8 +236,19 @@ impl<'a> Ladder<'a> {
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let stack = runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0);
+        let apart = |run: &Run<'_>| {
+            !run.swapped && runs.iter().filter(|other| other.level == run.level).count() == 1
+        };
+        let ahead = problem.device.filter(|device| {
+            let fits = !with_areas && runs.iter().all(apart);
+            if !fits {
+                device.refuse("it reads Levy areas, or has two schemes with steps of one size");
+            }
+            fits
+        });
+        let ahead = ahead.map(Ahead::new);
         driver.runs = runs;
-        Ok(Self { driver, stack, progress: Box::new(|_| ()) })
+        Ok(Self { driver, ahead, stack, progress: Box::new(|_| ()) })
     }
 
     /// Refuses to run `paths` paths if their states take more memory than is free.
@@ -249,6 +271,7 @@ impl<'a> Ladder<'a> {
     /// Computes a random time along each path, see [`TimeChange`].
     #[must_use]
     pub fn with_time_change(mut self, time_change: &'a dyn TimeChange) -> Self {
+        self.ahead = None;
         self.driver.time_change = Some(time_change);
         self
     }
@@ -258,6 +281,7 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
         self.driver.noise = Box::new(source);
+        self.ahead = None;
         self
     }
 
@@ -464,6 +488,18 @@ impl<'a> Ladder<'a> {
         let offset = group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(samples - offset);
         let mut statistic = new();
+        if let Some(ahead) = &self.ahead {
+            let start = first + offset;
+            let (group, all) = (start..start + paths, first..first + samples);
+            let reader = new();
+            let wanted = Wanted { group, all, reads: &|time| reader.reads(time) };
+            let mut observe = |view: &View<'_>| statistic.observe(view);
+            if let Some(tally) =
+                ahead.march(&self.driver, wanted, &mut observe, &*self.progress, stop)
+            {
+                return (statistic, tally);
+            }
+        }
         let mut observe = |view: &View<'_>| statistic.observe(view);
         let tally = on_stack(self.stack, || {
             self.driver.march(first + offset, paths, &mut observe, &*self.progress, stop)

@@ -6,10 +6,10 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows};
 use schemes::{
-    About, Method, Step, Stepper,
+    About, Listing, Method, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
-use systems::run_time::{self, InTime, Lanes, Op, System, Weights};
+use systems::run_time::{self, InTime, Lanes, Op, Program, System, Weights};
 
 use crate::{Coefficients, ConformalLaw, Problem, Setup, observable::splat};
 
@@ -37,6 +37,7 @@ impl<'a> Problem<'a> {
             laws: description.invariants.iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|t, y| coefficients(system, t, y)),
             in_time: description.depends_on_time.then_some(system),
+            device: None,
         }
     }
 }
@@ -118,26 +119,28 @@ impl<B: Deref<Target: Scheme> + Send + Sync> Method for Bound<'_, B> {
         let stepper = self.scheme.stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        let guard = self.system.description().has_guard.then(|| scratch(self.system));
-        Box::new(Paths { stepper, system: self.system, guard })
+        Box::new(Paths { stepper, guard: self.system.guard() })
     }
 }
 
 struct Paths<'a> {
     stepper: Box<dyn Stepper + 'a>,
-    system: &'a dyn System,
-    /// Scratch rows of the guard of the system, if it has one.
-    guard: Option<Rows>,
+    guard: Option<Box<dyn Program>>,
 }
 
 impl Stepper for Paths<'_> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.stepper.step(step, noise, status);
-        if let Some(scratch) = &mut self.guard {
-            let mut guard = [0.0; real::WIDTH];
-            self.system.guard(self.stepper.state(), step.t + step.tau, &mut guard, scratch);
-            status.fail_where_not_finite(&[guard]);
+        if let Some(guard) = &mut self.guard {
+            let (h, mut value) = (at_end(step), [[0.0; real::WIDTH]]);
+            guard.run(&[self.stepper.state()], &[], h, &mut value);
+            status.fail_where_not_finite(&value);
         }
+    }
+
+    fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
+        let guard = self.guard.as_deref_mut().map(|guard| (guard, at_end(step).t));
+        Some(Listing { guard, ..self.stepper.listing(step)? })
     }
 
     fn state(&self) -> &[Row] {
@@ -147,6 +150,11 @@ impl Stepper for Paths<'_> {
     fn state_mut(&mut self) -> &mut [Row] {
         self.stepper.state_mut()
     }
+}
+
+/// Weights at the end of a step, where guards are asked.
+fn at_end(step: &Step) -> Weights<'static> {
+    Weights { t: step.t + step.tau, ..Weights::NONE }
 }
 
 /// Rows for any operation of a system.

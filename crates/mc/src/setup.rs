@@ -11,7 +11,7 @@ use systems::{
     vector_field,
 };
 
-use crate::{Friction, observable::splat};
+use crate::{Device, Friction, observable::splat};
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
@@ -43,6 +43,8 @@ pub struct Problem<'a> {
     /// The system, if its Hamiltonians change with time. See
     /// [`DriveResolution`](crate::DriveResolution).
     pub in_time: Option<&'a dyn System>,
+    /// A machine that advances paths where it can, with the bits of this one.
+    pub device: Option<&'a dyn Device>,
 }
 
 /// Random initial values.
@@ -160,6 +162,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 ///     laws: Vec::new(),
 ///     coefficients: Arc::new(coefficients),
 ///     in_time: None,
+///     device: None,
 /// };
 /// let setup = Setup { problem, scheme: Arc::new(Walk) };
 /// let simulation = Simulation::new(setup, Truncation::none());
@@ -227,6 +230,7 @@ impl<'a> Problem<'a> {
                 }
             }),
             in_time: None,
+            device: None,
         }
     }
 

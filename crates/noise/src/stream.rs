@@ -121,7 +121,7 @@ impl StreamKey {
 
     /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which
     /// uses SplitMix64.
-    pub(crate) fn state(self, path: u64) -> [u64; 4] {
+    pub fn state(self, path: u64) -> [u64; 4] {
         let mut counter = self.path_seed(path);
         [(); 4].map(|()| {
             counter = counter.wrapping_add(GOLDEN);

@@ -7,7 +7,7 @@ pub const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 /// [`excess`] multiplies two changes. For unknowns of size r their product can be as small as
 /// (εr)². This power of two prevents an underflow to zero, which would count as convergence, for r
 /// down to 10⁻¹⁵⁵. For r above 10¹⁴⁵ the product may overflow, which counts as not converged.
-pub(crate) const GUARD: f64 = (1u128 << 64) as f64;
+pub const GUARD: f64 = (1u128 << 64) as f64;
 
 /// Largest number of Newton iterations at one s of the homotopy. After a contraction by
 /// [`CONTRACTION`] and then quadratic convergence, ten reach round-off. Twenty allow for slow

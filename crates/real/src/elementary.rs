@@ -32,7 +32,9 @@
 //! | [`tanh`] | all `x` | 1.7e-16 absolute | 2.3e-16 |
 //! | [`sinc`] | `abs(x) <= 2^20` | 1.73 ulp | 2 ulp |
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E};
+use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
+
+use crate::coefficients::*;
 
 pub use crate::powers::{cbrt, exp2, hypot, log2, log10, powf, tanh};
 
@@ -42,90 +44,6 @@ const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 const SIGN: u64 = 1 << 63;
 /// The largest argument that [`sin_cos`] reduces.
 const SIN_COS_LIMIT: f64 = 1_073_741_824.0; // 2^30
-
-// `python3 crates/real/tools/coefficients.py` prints the constants from here to their end.
-const HALF_PI_1: f64 = 1.5707963267341256;
-const HALF_PI_2: f64 = 6.077100506303966e-11;
-const HALF_PI_3: f64 = 2.0222662487111665e-21;
-const HALF_PI_4: f64 = 8.4784276603689e-32;
-const HALF_PI_REST: f64 = 6.077100506506192e-11;
-const LN_2_1: f64 = 0.6931471805592082;
-const LN_2_2: f64 = 7.371002565167799e-13;
-const SQRT_HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
-// SIN: 6 coefficients, error 2^-57.89
-const SIN: [f64; 6] = [
-    -0.1666666666666663,
-    0.00833333333332184,
-    -0.00019841269829358522,
-    2.755731353851123e-06,
-    -2.505073438869229e-08,
-    1.5895433252566826e-10,
-];
-// COS: 6 coefficients, error 2^-63.94
-const COS: [f64; 6] = [
-    0.041666666666666595,
-    -0.001388888888887334,
-    2.480158728899978e-05,
-    -2.755731421616815e-07,
-    2.0875705255421646e-09,
-    -1.1358741008317159e-11,
-];
-// HALF_TANGENT: degrees 3 and 3, relative error 2^-53.67
-const HALF_TANGENT_ABOVE: [f64; 4] =
-    [FRAC_PI_2, -0.4971947507650474, 0.02683212449382951, -0.0001765556240289762];
-const HALF_TANGENT_BELOW: [f64; 4] =
-    [1.0, -1.138991042478508, 0.14212201950760286, -0.003130975882324537];
-// LN: 7 coefficients, error 2^-59.50
-const LN: [f64; 7] = [
-    0.6666666666666734,
-    0.3999999999941694,
-    0.28571428741932064,
-    0.22222198616296093,
-    0.18183562238946147,
-    0.15314100610524267,
-    0.14795478154048658,
-];
-// MINUS_TWO_LN: 6 coefficients, error 2^-52.24
-const MINUS_TWO_LN: [f64; 6] = [
-    -1.333333333331749,
-    -0.8000000010432369,
-    -0.5714283429349565,
-    -0.44446741125575034,
-    -0.3624735231283416,
-    -0.33638895125094437,
-];
-// EXP: 10 coefficients, error 2^-57.90
-const EXP: [f64; 10] = [
-    0.5000000000000011,
-    0.16666666666666438,
-    0.0416666666665258,
-    0.008333333333473763,
-    0.0013888888944856455,
-    0.00019841269560283816,
-    2.480149175944958e-05,
-    2.755753087299288e-06,
-    2.7630745947458114e-07,
-    2.501986859727815e-08,
-];
-// DEFICIT: 6 coefficients, error 2^-60.10
-const DEFICIT: [f64; 6] = [
-    0.16666666666666657,
-    -0.008333333333329637,
-    0.00019841269836416443,
-    -2.7557316310289196e-06,
-    2.5051226272577386e-08,
-    -1.5927800262341192e-10,
-];
-// VERSINE: 6 coefficients, error 2^-54.85
-const VERSINE: [f64; 6] = [
-    0.49999999999999944,
-    -0.041666666666635294,
-    0.001388888888384938,
-    -2.4801583837666267e-05,
-    2.7556162367203845e-07,
-    -2.0691247961394255e-09,
-];
-// End of the constants.
 
 /// `c[0] + c[1] z + … + c[N-1] z^(N-1)`, even and odd powers by Horner's scheme in `z²`. This makes
 /// two short chains of dependent operations instead of a long one.

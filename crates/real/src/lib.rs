@@ -34,12 +34,15 @@
 //! | [`exactly`], [`path`] | rows whose number the compiler knows, and the numbers of one path |
 //! | [`Kernel`], [`dispatch`], [`kernel!`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
+//! | [`coefficients`] | constants of the elementary functions |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
 //! only reason for a dependency. Without it, kernels are compiled for the baseline of the target.
 
 mod block;
 mod bounded;
+#[allow(missing_docs)]
+pub mod coefficients;
 mod degree;
 mod derivative;
 #[cfg(feature = "dispatch")]

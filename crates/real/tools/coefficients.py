@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print the constants of `crates/real/src/elementary.rs`.
+"""Print the constants of `crates/real/src/coefficients.rs`.
 
 Every polynomial is a minimax approximation found by the Remez exchange in 60-digit arithmetic
 (mpmath); the coefficients are then rounded to f64, the first ones first, with the remaining ones
@@ -88,7 +88,7 @@ def literal(v):
 
 
 def array(name, c):
-    print(f"const {name}: [f64; {len(c)}] = [")
+    print(f"pub const {name}: [f64; {len(c)}] = [")
     for v in c:
         print(f"    {literal(v)},")
     print("];")
@@ -133,19 +133,19 @@ def parts(name, v, bits):
     """v as a sum of parts, the leading ones with bits[i] significant bits, the last a whole f64."""
     for i, b in enumerate(bits):
         part = truncated(v, b)
-        print(f"const {name}_{i + 1}: f64 = {literal(part)};")
+        print(f"pub const {name}_{i + 1}: f64 = {literal(part)};")
         v -= part
-    print(f"const {name}_{len(bits) + 1}: f64 = {literal(v)};")
+    print(f"pub const {name}_{len(bits) + 1}: f64 = {literal(v)};")
 
 
 def main():
     one = mpf(1)
     tiny = mpf(10) ** -12
     parts("HALF_PI", pi / 2, [33, 33, 33])
-    print(f"const HALF_PI_REST: f64 = {literal(pi / 2 - truncated(pi / 2, 33))};")
+    print(f"pub const HALF_PI_REST: f64 = {literal(pi / 2 - truncated(pi / 2, 33))};")
     parts("LN_2", log(mpf(2)), [40])
     half = f"{struct.unpack('<Q', struct.pack('<d', float(sqrt(one / 2))))[0]:016x}"
-    print(f"const SQRT_HALF_BITS: u64 = 0x{'_'.join(half[i : i + 4] for i in range(0, 16, 4))};")
+    print(f"pub const SQRT_HALF_BITS: u64 = 0x{'_'.join(half[i : i + 4] for i in range(0, 16, 4))};")
 
     q = (pi / 4) ** 2 * mpf("1.0001")
     polynomial(

@@ -4,7 +4,7 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{PathMask, Row};
 
-use crate::Step;
+use crate::{Listing, Step};
 
 /// Identifier of a scheme or a method, and what it needs of a driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,5 +66,10 @@ pub trait Stepper: Send {
     /// Further steps then read no noise.
     fn rests(&mut self, _live: PathMask) -> bool {
         false
+    }
+
+    /// The step as a program; none if it is not made of one.
+    fn listing(&mut self, _step: &Step) -> Option<Listing<'_>> {
+        None
     }
 }

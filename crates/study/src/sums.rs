@@ -171,6 +171,10 @@ impl Statistic for StudyStatistic<'_> {
         }
     }
 
+    fn reads(&self, time: u64) -> bool {
+        !self.of.wanted.lagged.is_empty() || self.times.binary_search(&time).is_ok()
+    }
+
     fn merge(&mut self, later: Self) {
         self.sums.merge(&later.sums);
     }

@@ -379,7 +379,7 @@ impl Expressions {
     }
 
     /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
-    pub fn guard_tape(&mut self) -> Tape {
+    pub fn guard(&mut self) -> Id {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
         let mut sum = self.graph.dot(&self.hamiltonians, &ones);
         // No two entries cancel, as they would if all numbers were one.
@@ -390,7 +390,7 @@ impl Expressions {
         for (component, n) in self.fields.iter().flatten().zip(1..) {
             average::add(&mut self.graph, &mut sum, *component, f64::from(n));
         }
-        self.tape(&[sum], [Y, TIME])
+        sum
     }
 
     /// The largest degrees of B(y) and of H₀, H₁, … in y.

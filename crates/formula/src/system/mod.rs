@@ -26,6 +26,7 @@ use systems::{
 };
 
 pub use definition::{Bath, Definition, DefinitionError, Equation, Structure, Which};
+pub use program::FormulaProgram;
 
 use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
@@ -80,7 +81,7 @@ pub struct FormulaSystem {
     /// Terms without a known flow.
     rest: Option<Box<Self>>,
     energy: Tape,
-    guard: Option<Tape>,
+    guard: Option<FormulaProgram>,
     expressions: Expressions,
     programs: Programs,
 }
@@ -198,14 +199,13 @@ impl FormulaSystem {
             rest: None,
             description,
             energy: expressions.energy_tape(),
-            guard: has_guard.then(|| expressions.guard_tape()),
+            guard: has_guard.then(|| FormulaProgram::guard(&mut expressions)),
             expressions,
             programs: Programs::default(),
             formulas,
         };
         // More rows have dt and t.
-        let guard = system.guard.as_ref().map_or(0, Tape::scratch_rows);
-        system.description.own_scratch_rows = guard.max(system.energy.scratch_rows() + 1) + 1;
+        system.description.own_scratch_rows = system.energy.scratch_rows() + 2;
         system
     }
 
@@ -322,15 +322,8 @@ impl System for FormulaSystem {
     }
 
     /// H₀ + H₁ + … and the entries of B.
-    fn guard(&self, y: &[Row], t: f64, out: &mut Row, scratch: &mut [Row]) {
-        match &self.guard {
-            Some(guard) => {
-                let (time, scratch) = scratch.split_at_mut(1);
-                time[0] = [t; WIDTH];
-                guard.evaluate(&[y, time], from_mut(out), scratch);
-            }
-            None => out.fill(0.0),
-        }
+    fn guard(&self) -> Option<Box<dyn Program>> {
+        Some(Box::new(self.guard.clone()?))
     }
 
     /// The formulas of B, H₀ and Hₘ, or of fields, must be finite. The error names the first

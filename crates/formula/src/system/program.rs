@@ -2,6 +2,7 @@
 
 use std::{
     iter::once,
+    slice::from_ref,
     sync::{Arc, Mutex, PoisonError},
 };
 
@@ -49,12 +50,14 @@ impl Programs {
                 compiled
             }
         }?;
-        let scratch = Rows::zero(compiled.tape.scratch_rows());
-        Some(FormulaProgram { numbers: compiled.tape.numbers.clone(), compiled, scratch })
+        Some(FormulaProgram::new(compiled))
     }
 }
 
-/// A scheme's formula on 32 paths.
+/// The formula of a scheme on a system of formulas as one tape: of states, the increments with the
+/// space-time areas after them, and areas. Beside them stand numbers, which are the same on all
+/// paths.
+#[derive(Clone)]
 pub struct FormulaProgram {
     compiled: Arc<SchemeTape>,
     numbers: Numbers,
@@ -73,6 +76,16 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
+    /// The guard of a system, a function of y and t; dt is not read.
+    fn guard(system: &mut Expressions) -> Self {
+        let (d, guard, mut graph) = (system.dimension, system.guard(), Graph::new());
+        let t = graph.input(d + 1);
+        let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
+        let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
+        let multiples = Vec::new();
+        Self { tape, multiples, noise_rows: None, reads_areas: false, reads_time: true }
+    }
+
     fn composition(system: &Expressions, moves: &[Move]) -> Self {
         let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
         let factor_of = |one: &Move| match *one {
@@ -168,11 +181,43 @@ impl SchemeTape {
     }
 }
 
+impl FormulaProgram {
+    fn new(compiled: Arc<SchemeTape>) -> Self {
+        let scratch = Rows::zero(compiled.tape.scratch_rows());
+        Self { numbers: compiled.tape.numbers.clone(), compiled, scratch }
+    }
+
+    /// The guard of a system.
+    pub(super) fn guard(system: &mut Expressions) -> Self {
+        Self::new(Arc::new(SchemeTape::guard(system)))
+    }
+
+    /// The tape.
+    #[must_use]
+    pub fn tape(&self) -> &Tape {
+        &self.compiled.tape
+    }
+
+    /// Number of rows of increments and space-time areas, a group of their own, if they are read;
+    /// and whether areas are.
+    #[must_use]
+    pub fn noise(&self) -> (Option<usize>, bool) {
+        (self.compiled.noise_rows, self.compiled.reads_areas)
+    }
+
+    /// The numbers of a step of size `dt` about the time `t`, with a factor for every operation.
+    pub fn numbers(&mut self, factors: &[f64], dt: f64, t: f64) -> &Numbers {
+        let SchemeTape { multiples, reads_time, .. } = &*self.compiled;
+        let factors = multiples.iter().map(|&multiple| factors[multiple]);
+        self.numbers.set(once(dt).chain(factors).chain(reads_time.then_some(t)));
+        &self.numbers
+    }
+}
+
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let SchemeTape { tape, multiples, noise_rows, reads_areas, reads_time } = &*self.compiled;
-        let factors = multiples.iter().map(|&multiple| factors[multiple]);
-        self.numbers.set(once(h.dt).chain(factors).chain(reads_time.then_some(h.t)));
+        self.numbers(factors, h.dt, h.t);
+        let SchemeTape { tape, noise_rows, reads_areas, .. } = &*self.compiled;
         let mut groups = [&[][..]; MAX_INPUTS + 2];
         let given = inputs
             .iter()

@@ -137,7 +137,7 @@ fn degrees_are_read_off() {
 
 /// The number of instructions of a tape for a text.
 fn instructions(text: &str) -> usize {
-    formula(text).tape.instructions()
+    formula(text).tape.instructions().len()
 }
 
 #[test]

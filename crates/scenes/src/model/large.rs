@@ -132,6 +132,7 @@ impl Model for Large {
             laws: Vec::new(),
             coefficients: Arc::new(move |_, _| none()),
             in_time: None,
+            device: None,
         }
     }
 

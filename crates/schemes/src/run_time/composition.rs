@@ -13,7 +13,8 @@ use systems::{
 
 use super::{Scheme, SchemeError};
 use crate::{
-    About, Baoab, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep, built_in::DO_NOT_COMMUTE,
+    About, Baoab, Listing, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep,
+    built_in::DO_NOT_COMMUTE,
 };
 
 /// The parts of a system.
@@ -291,7 +292,8 @@ struct CompositionStepper<'a> {
     /// The frictions of what each noise moves, after which it is made exact; empty where noises are
     /// taken as they are.
     own: Vec<Vec<usize>>,
-    /// Integrals of friction over the step.
+    /// The factors by which increments are made exact, and integrals of friction over the step.
+    exact: Vec<f64>,
     integrals: Vec<f64>,
     /// Whether a move reads space-time areas.
     reads_space_time: bool,
@@ -357,10 +359,30 @@ impl<'a> CompositionStepper<'a> {
             friction,
             factors: vec![1.0; 2 + 2 * friction.len()],
             own: Vec::new(),
+            exact: Vec::new(),
             integrals: vec![0.0; friction.len()],
             reads_space_time,
             rows: Vec::new(),
         }
+    }
+
+    /// Sets the factors of a step.
+    fn set_factors(&mut self, step: &Step) {
+        let Self { factors, friction, own, exact: exact_factors, integrals, .. } = self;
+        (factors[0], factors[1]) = (step.first_decay, step.second_decay);
+        for (halves, (damping, _)) in factors[2..].chunks_mut(2).zip(*friction) {
+            (halves[0], halves[1]) = (step.decay(&**damping, 0), step.decay(&**damping, 1));
+        }
+        exact_factors.clear();
+        if !own.is_empty() {
+            for (integral, (damping, _)) in integrals.iter_mut().zip(*friction) {
+                *integral = damping.integral(step.t, step.t + step.tau);
+            }
+        }
+        exact_factors.extend(own.iter().map(|own| {
+            let friction: f64 = own.iter().map(|&k| integrals[k]).sum();
+            exact(step.damping_integral() + friction)
+        }));
     }
 }
 
@@ -375,25 +397,15 @@ impl Stepper for CompositionStepper<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
+        self.set_factors(step);
         let Self { system, steps, rest, state, next, part: part_of_noise, scratch, rows, .. } =
             self;
         let number = step.number() as usize % steps.len();
-        let factors = &mut self.factors;
-        (factors[0], factors[1]) = (step.first_decay, step.second_decay);
-        for (halves, (damping, _)) in factors[2..].chunks_mut(2).zip(self.friction) {
-            (halves[0], halves[1]) = (step.decay(&**damping, 0), step.decay(&**damping, 1));
-        }
+        let factors = &self.factors;
         if self.reads_space_time || !self.own.is_empty() {
             rows.clear();
             rows.extend_from_slice(&noise.increments);
-            if !self.own.is_empty() {
-                for (integral, (damping, _)) in self.integrals.iter_mut().zip(self.friction) {
-                    *integral = damping.integral(step.t, step.t + step.tau);
-                }
-            }
-            for (row, own) in rows.iter_mut().zip(&self.own) {
-                let friction: f64 = own.iter().map(|&k| self.integrals[k]).sum();
-                let factor = exact(step.damping_integral() + friction);
+            for (row, factor) in rows.iter_mut().zip(&self.exact) {
                 row.iter_mut().for_each(|dw| *dw *= factor);
             }
             if self.reads_space_time {
@@ -454,5 +466,16 @@ impl Stepper for CompositionStepper<'_> {
         if system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(state);
         }
+    }
+
+    fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
+        self.set_factors(step);
+        let (count, noise) = (self.steps.len(), self.exact.clone());
+        let number = step.number() as usize % count;
+        let [Piece::Program(program)] = &mut self.steps[number][..] else { return None };
+        let middle = step.t + 0.5 * step.tau;
+        let listing = Listing::new(&mut **program, &self.factors, step.tau, middle);
+        let reads_space_time = self.reads_space_time;
+        Some(Listing { turn: (number, count), noise, reads_space_time, ..listing })
     }
 }

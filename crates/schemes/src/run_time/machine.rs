@@ -156,6 +156,11 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
+    /// The formula in one piece, if it is one, and the factors of its operations.
+    pub fn program(&mut self) -> Option<(&mut dyn Program, &[f64])> {
+        Some((self.program.as_deref_mut()?, &self.recorder.operations().factors))
+    }
+
     /// Result number n.
     pub fn result(&self, n: usize) -> &[Row] {
         match self.program {

@@ -1,7 +1,7 @@
 //! Formulas on systems known at run time.
 
 use noise::StepNoise;
-use nonlin::{BlockStatus, Outcome, criteria::excess};
+use nonlin::{BlockStatus, Outcome, Solver, criteria::excess};
 use real::{PathMask, Row, Rows, WIDTH};
 use systems::{
     Constant,
@@ -16,7 +16,7 @@ use super::{
     machine::{Machine, multiple},
     norm::{Changes, sums},
 };
-use crate::{Implicit, Step, Stepper};
+use crate::{Implicit, Listing, Step, Stepper, Sweeps};
 
 /// Evaluations of a sweep.
 const EVALUATIONS: usize = 3;
@@ -91,10 +91,14 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         Ok(outcomes)
     }
 
+    /// The factors of damping around the equation.
+    fn halves(step: &Step) -> [f64; 2] {
+        if F::EXACT_DAMPING { [step.first_decay, step.second_decay] } else { [1.0; 2] }
+    }
+
     /// A step of an implicit formula.
     fn solve(&mut self, step: &Step, h: Weights<'_>, status: &mut BlockStatus) {
-        let (first, second) =
-            if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
+        let [first, second] = Self::halves(step);
         for input in &mut self.machine.buffers[..2] {
             multiple(&self.state, first, input);
         }
@@ -150,6 +154,15 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
         if tested && self.system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }
+    }
+
+    fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
+        self.record(step).ok()?;
+        let Solver { max_sweeps, settle, .. } = self.formula.solver();
+        let sweeps = Sweeps { most: max_sweeps.max(1), settle, factors: Self::halves(step) };
+        let (program, factors) = self.machine.program()?;
+        let listing = Listing::new(program, factors, step.tau, step.t + 0.5 * step.tau);
+        Some(Listing { sweeps: (!F::EXPLICIT).then_some(sweeps), ..listing })
     }
 }
 

@@ -1,5 +1,7 @@
 //! The operations of a system, and those of a scheme's formula.
 
+use std::any::Any;
+
 use real::Row;
 
 use super::Weights;
@@ -131,7 +133,7 @@ impl Recorded {
 
 /// The operations of a formula on one system, compiled into something faster than one operation
 /// after the other, see [`System::compile`](super::System::compile).
-pub trait Program: Send {
+pub trait Program: Any + Send {
     /// Writes the results, one state after the other. `inputs` are the states of the
     /// [`Recorded::Input`]s, `factors` has a number for every operation, used by each
     /// [`Recorded::Multiple`].

@@ -101,11 +101,10 @@ pub trait System: Send + Sync {
         crate::system::no_invariant(&self.description().name, index)
     }
 
-    /// Writes numbers that are finite on the paths that are in the domain at time t. Only asked for
-    /// if the system [has a guard](Description::has_guard).
-    fn guard(&self, y: &[Row], t: f64, out: &mut Row, scratch: &mut [Row]) {
-        let _ = (y, t, scratch);
-        out.fill(0.0);
+    /// A function of the state and the time that is finite in the domain; none if that is ℝᴰ, see
+    /// [`Description::has_guard`].
+    fn guard(&self) -> Option<Box<dyn Program>> {
+        None
     }
 
     /// Checks that the components y are in the domain of the system: ℝᴰ unless overridden.

@@ -82,6 +82,7 @@ fn found(seed: u64, paths: u64, gamma: f64) -> StudyResult {
             correction: vec![0.0; y.len()],
         }),
         in_time: None,
+        device: None,
     };
     let setup = Setup { problem, scheme: Arc::new(Ou { gamma }) };
     let observables = [

@@ -1,0 +1,259 @@
+//! Machines beside the processor that advance many paths at once.
+
+use std::{
+    collections::BTreeMap,
+    ops::Range,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
+
+use noise::StreamKey;
+use nonlin::BlockStatus;
+use real::{Block, PathMask, Row, Rows, WIDTH};
+use schemes::{Method, Step, Stepper};
+
+use crate::{
+    View,
+    driver::{Driver, GROUP_PATHS, Tally},
+    parts::Stop,
+};
+
+/// A machine that advances many paths at once, with the bits of this processor.
+///
+/// A step is known to it as a [`Listing`](schemes::Listing). What it does not compute, and paths on
+/// which a step has no solution by plain iteration, are left to the processor.
+pub trait Device: Send + Sync {
+    /// The states of paths at some times; none if the machine cannot, of which it keeps the reason.
+    fn advance(&self, task: &Task<'_>) -> Option<Trajectories>;
+
+    /// Keeps the reason why paths are not computed on the machine.
+    fn refuse(&self, why: &str);
+}
+
+/// Paths to be advanced.
+pub struct Task<'a> {
+    /// The runs: schemes on levels, each on the same noise.
+    pub runs: Vec<TaskRun<'a>>,
+    /// Number of components, and of noises.
+    pub dimension: usize,
+    /// Number of noises.
+    pub noises: usize,
+    /// Whether space-time areas are drawn beside increments.
+    pub space_time: bool,
+    /// Number of finest steps, and of levels above them.
+    pub finest_steps: u64,
+    /// Number of levels above the finest.
+    pub levels: usize,
+    /// Size of the finest step.
+    pub tau: f64,
+    /// The streams of the increments.
+    pub key: StreamKey,
+    /// The paths: whole blocks of 32.
+    pub paths: Range<u64>,
+    /// The coarsest steps after which states are wanted, in their order.
+    pub times: Vec<u64>,
+    /// States of 32 paths of a run at time 0, from the number of the run and the first path.
+    pub start: &'a (dyn Fn(usize, u64) -> Vec<Row> + Sync),
+    /// Step number n of a level.
+    pub step: &'a (dyn Fn(usize, u64) -> Step + Sync),
+    /// Whether to end early.
+    pub stop: &'a Stop,
+}
+
+/// A run of a task.
+pub struct TaskRun<'a> {
+    /// The scheme on the system.
+    pub method: &'a dyn Method,
+    /// The level of its steps.
+    pub level: usize,
+    /// The largest increment, if they are clipped.
+    pub bound: f64,
+}
+
+/// States of paths at some times.
+pub struct Trajectories {
+    /// The paths: whole blocks of 32.
+    pub paths: Range<u64>,
+    /// Time by time, of each run the components and the number of clipped increments so far; a
+    /// number for each path.
+    pub values: Vec<f64>,
+    /// Numbers of clipped increments at the end, run by run.
+    pub clipped: Vec<f64>,
+    /// Whether all steps of a path were computed, and all of its states are finite.
+    pub solved: Vec<bool>,
+}
+
+/// Most bytes of the states of a task.
+const MAX_BYTES: usize = 1 << 28;
+/// Fewest and most paths of a task: fewer are no work for such a machine.
+const MIN_PATHS: usize = 1 << 11;
+const MAX_PATHS: usize = 1 << 20;
+/// Most tasks whose results are kept until all of their groups are read.
+const MAX_KEPT: usize = 64;
+
+type Computed = Arc<OnceLock<Option<Trajectories>>>;
+
+/// The paths of a ladder on a device, computed ahead of the groups that read them.
+pub struct Ahead<'a> {
+    device: &'a dyn Device,
+    /// Results by the first path.
+    tasks: Mutex<BTreeMap<u64, Computed>>,
+}
+
+/// A group of paths, and the paths that are wanted after it.
+pub struct Wanted<'a> {
+    /// The group and the paths from its first one on, as numbers.
+    pub group: Range<u64>,
+    /// All paths of which the group is one.
+    pub all: Range<u64>,
+    /// Whether a statistic reads the states after a coarsest step.
+    pub reads: &'a dyn Fn(u64) -> bool,
+}
+
+impl<'a> Ahead<'a> {
+    /// Runs that a device takes: on levels of their own, with noise that is drawn.
+    pub fn new(device: &'a dyn Device) -> Self {
+        Self { device, tasks: Mutex::default() }
+    }
+
+    /// Shows the states of a group as the driver does; none if the driver has to compute it.
+    pub fn march(
+        &self,
+        driver: &Driver<'_>,
+        Wanted { group, all, reads }: Wanted<'_>,
+        observe: &mut dyn FnMut(&View<'_>),
+        progress: &(dyn Fn(u64) + Sync),
+        stop: &Stop,
+    ) -> Option<Result<Tally, Tally>> {
+        let times: Vec<u64> =
+            (1..=driver.finest_steps >> driver.levels).filter(|&time| reads(time)).collect();
+        let rows = driver.runs.len() * (driver.dimension + 1);
+        let fit = MAX_BYTES / (8 * rows * times.len().max(1)) / GROUP_PATHS as usize;
+        let size = (fit * GROUP_PATHS as usize).min(MAX_PATHS) as u64;
+        if size < MIN_PATHS as u64 {
+            self.device.refuse("its paths have too many times that are read");
+            return None;
+        }
+        let first = all.start + (group.start - all.start) / size * size;
+        let computed = {
+            let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+            while tasks.len() >= MAX_KEPT && !tasks.contains_key(&first) {
+                tasks.pop_first();
+            }
+            Arc::clone(tasks.entry(first).or_default())
+        };
+        let paths = first..all.end.min(first + size);
+        let found = computed.get_or_init(|| self.compute(driver, paths.clone(), &times, stop));
+        if stop.is_asked() {
+            return Some(Err(driver.tally()));
+        }
+        let found = found.as_ref().filter(|found| group.end <= found.paths.end)?;
+        if group.end == paths.end {
+            self.tasks.lock().unwrap_or_else(PoisonError::into_inner).remove(&first);
+        }
+        let tally = show(found, driver, group.clone(), &times, observe)?;
+        progress(driver.steps_per_path() * (group.end - group.start));
+        Some(Ok(tally))
+    }
+
+    fn compute(
+        &self,
+        driver: &Driver<'_>,
+        paths: Range<u64>,
+        times: &[u64],
+        stop: &Stop,
+    ) -> Option<Trajectories> {
+        let bound = |number| {
+            let batch = driver.batches.iter().find(|batch| batch.has(number));
+            batch.map_or(f64::INFINITY, |batch| batch.bounds.increment)
+        };
+        let runs = driver.runs.iter().enumerate().map(|(number, run)| TaskRun {
+            method: &*run.scheme,
+            level: run.level,
+            bound: bound(number),
+        });
+        let blocks = (paths.end - paths.start).div_ceil(WIDTH as u64);
+        self.device.advance(&Task {
+            runs: runs.collect(),
+            dimension: driver.dimension,
+            noises: driver.noises,
+            space_time: !driver.no_noise.space_time.is_empty(),
+            finest_steps: driver.finest_steps,
+            levels: driver.levels,
+            tau: driver.tau(0),
+            key: driver.key,
+            paths: paths.start..paths.start + blocks * WIDTH as u64,
+            times: times.to_vec(),
+            start: &*driver.start,
+            step: &|level, n| driver.step(level, n),
+            stop,
+        })
+    }
+}
+
+/// States that are shown.
+struct Shown(Rows);
+
+impl Stepper for Shown {
+    fn state(&self) -> &[Row] {
+        &self.0
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.0
+    }
+
+    fn step(&mut self, _: &Step, _: &noise::StepNoise, _: &mut BlockStatus) {
+        unreachable!("states that a device has computed are shown, and take no step")
+    }
+}
+
+/// Shows the states of a group; none if a path of it was not solved.
+fn show(
+    found: &Trajectories,
+    driver: &Driver<'_>,
+    group: Range<u64>,
+    times: &[u64],
+    observe: &mut dyn FnMut(&View<'_>),
+) -> Option<Tally> {
+    let count = (found.paths.end - found.paths.start) as usize;
+    let [first, end] = [group.start, group.end].map(|path| (path - found.paths.start) as usize);
+    if !found.solved[first..end].iter().all(|&solved| solved) {
+        return None;
+    }
+    let (runs, dimension) = (driver.runs.len(), driver.dimension);
+    let mut states: Vec<Box<dyn Stepper>> = Vec::new();
+    states.resize_with(runs, || Box::new(Shown(Rows::zero(dimension))));
+    let (random_time, mut clipped) = (Block::<1>::zero(), vec![PathMask::NONE; runs]);
+    let blocks: Vec<usize> = (first..end).step_by(WIDTH).collect();
+    for time in driver.from_start.then_some(&0).into_iter().chain(times) {
+        let at = times.binary_search(time).unwrap_or_default();
+        for &block in &blocks {
+            let first_path = found.paths.start + block as u64;
+            for (run, state) in states.iter_mut().enumerate() {
+                let row = |number: usize| {
+                    let row = (at * runs + run) * (dimension + 1) + number;
+                    &found.values[row * count + block..][..WIDTH]
+                };
+                match time {
+                    0 => state.state_mut().copy_from_slice(&(driver.start)(run, first_path)),
+                    _ => {
+                        let rows = state.state_mut().iter_mut().enumerate();
+                        rows.for_each(|(i, to)| to.copy_from_slice(row(i)));
+                        let counts = row(dimension);
+                        clipped[run] = PathMask::of(|p| counts[p] > 0.0);
+                    }
+                }
+            }
+            let live = PathMask::first(end - block);
+            let random_time = &random_time.0[0];
+            let clipped = &clipped;
+            observe(&View { time: *time, first_path, states: &states, clipped, random_time, live });
+        }
+    }
+    let mut tally = driver.tally();
+    for (run, of) in driver.runs.iter().enumerate() {
+        let counts = &found.clipped[run * count..][first..end];
+        tally.clipped[of.level] += counts.iter().sum::<f64>() as u64;
+    }
+    Some(tally)
+}

@@ -1,0 +1,406 @@
+//! Instructions of PTX as they are written: numbers and words in registers, and operators that
+//! write a line each.
+//!
+//! Every operation on numbers rounds to nearest and none is fused with another, as on the
+//! processor. What constants alone give is computed here.
+
+use std::{
+    cell::RefCell,
+    fmt::{self, Display, Formatter},
+    ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Shl, Shr, Sub},
+};
+
+/// A number in double precision: a register or a constant, by its bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// Register `%f`.
+    Register(u32),
+    /// A constant.
+    Constant(u64),
+}
+
+/// A word of 64 bits: a register or a constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Word {
+    /// Register `%w`.
+    Register(u32),
+    /// A constant.
+    Constant(u64),
+}
+
+/// A condition in a register `%p`.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition(u32);
+
+/// A place to jump to.
+#[derive(Clone, Copy, Debug)]
+pub struct Label(u32);
+
+/// Lines that are being written, and the numbers of registers and labels in use.
+#[derive(Default)]
+struct Text {
+    lines: String,
+    numbers: u32,
+    words: u32,
+    conditions: u32,
+    labels: u32,
+}
+
+thread_local! {
+    /// Operators have no place for it.
+    static TEXT: RefCell<Text> = RefCell::default();
+}
+
+fn with<R>(f: impl FnOnce(&mut Text) -> R) -> R {
+    TEXT.with_borrow_mut(f)
+}
+
+/// Writes one line.
+pub fn line(text: impl Display) {
+    with(|to| {
+        to.lines += &format!("\t{text}\n");
+    });
+}
+
+/// The kernel `name` with 64-bit parameters, whose lines `body` writes.
+pub fn kernel(name: &str, parameters: &[&str], body: impl FnOnce()) -> String {
+    with(|text| *text = Text::default());
+    body();
+    let Text { lines, numbers, words, conditions, .. } = with(std::mem::take);
+    let parameters: Vec<String> =
+        parameters.iter().map(|parameter| format!("\t.param .u64 {parameter}")).collect();
+    format!(
+        ".version 7.0\n.target sm_60\n.address_size 64\n\n.visible .entry {name}(\n{}\n)\n{{\n\
+         \t.reg .f64 %f<{}>;\n\t.reg .b64 %w<{}>;\n\t.reg .pred %p<{}>;\n\t.reg .b32 %r<5>;\n\
+         {lines}}}\n",
+        parameters.join(",\n"),
+        numbers + 1,
+        words + 1,
+        conditions + 1,
+    )
+}
+
+impl Display for Number {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Register(number) => write!(f, "%f{number}"),
+            Self::Constant(bits) => write!(f, "0d{bits:016X}"),
+        }
+    }
+}
+
+impl Display for Word {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Register(number) => write!(f, "%w{number}"),
+            Self::Constant(bits) => write!(f, "0x{bits:X}U"),
+        }
+    }
+}
+
+impl Display for Condition {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "%p{}", self.0)
+    }
+}
+
+impl Display for Label {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "L{}", self.0)
+    }
+}
+
+impl From<f64> for Number {
+    fn from(x: f64) -> Self {
+        Self::Constant(x.to_bits())
+    }
+}
+
+impl From<u64> for Word {
+    fn from(x: u64) -> Self {
+        Self::Constant(x)
+    }
+}
+
+impl Number {
+    /// A register of its own.
+    pub fn new() -> Self {
+        with(|text| {
+            text.numbers += 1;
+            Self::Register(text.numbers)
+        })
+    }
+
+    /// The value, if it is a constant.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Register(_) => None,
+            Self::Constant(bits) => Some(f64::from_bits(bits)),
+        }
+    }
+
+    /// The number in a register of its own, which may be set.
+    pub fn copied(self) -> Self {
+        let to = Self::new();
+        to.set(self);
+        to
+    }
+
+    /// Replaces the content of this register.
+    pub fn set(self, value: Self) {
+        if self != value {
+            line(format_args!("mov.f64 {self}, {value};"));
+        }
+    }
+
+    fn by(operation: &str, operands: impl Display) -> Self {
+        let to = Self::new();
+        line(format_args!("{operation} {to}, {operands};"));
+        to
+    }
+
+    fn one(self, operation: &str, of: fn(f64) -> f64) -> Self {
+        match self.value() {
+            Some(x) => of(x).into(),
+            None => Self::by(operation, self),
+        }
+    }
+
+    fn two(self, other: Self, operation: &str, of: fn(f64, f64) -> f64) -> Self {
+        match (self.value(), other.value()) {
+            (Some(a), Some(b)) => of(a, b).into(),
+            _ => Self::by(operation, format_args!("{self}, {other}")),
+        }
+    }
+
+    /// √x.
+    pub fn root(self) -> Self {
+        self.one("sqrt.rn.f64", f64::sqrt)
+    }
+
+    /// |x|, without its sign bit.
+    pub fn size(self) -> Self {
+        self.one("abs.f64", f64::abs)
+    }
+
+    /// The bits.
+    pub fn bits(self) -> Word {
+        match self {
+            Self::Constant(bits) => Word::Constant(bits),
+            Self::Register(_) => Word::by("mov.b64", self),
+        }
+    }
+
+    /// Whether the comparison `how` (lt, le, gt, eq) holds; never for NaN.
+    pub fn is(self, how: &str, other: impl Into<Self>) -> Condition {
+        Condition::by(&format!("setp.{how}.f64"), format_args!("{self}, {}", other.into()))
+    }
+
+    /// One of two numbers.
+    pub fn select(condition: Condition, yes: impl Into<Self>, no: impl Into<Self>) -> Self {
+        Self::by("selp.f64", format_args!("{}, {}, {condition}", yes.into(), no.into()))
+    }
+
+    /// The number at an address and an offset in bytes.
+    pub fn load(address: Word, offset: usize) -> Self {
+        Self::by("ld.global.f64", format_args!("[{address}+{offset}]"))
+    }
+
+    /// The number at an address and an offset in bytes that no thread writes.
+    pub fn read(address: Word, offset: usize) -> Self {
+        Self::by("ld.global.nc.f64", format_args!("[{address}+{offset}]"))
+    }
+
+    /// Writes the number to an address.
+    pub fn store(self, address: Word) {
+        line(format_args!("st.global.f64 [{address}], {self};"));
+    }
+}
+
+impl Add for Number {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.two(other, "add.rn.f64", |a, b| a + b)
+    }
+}
+
+impl Sub for Number {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.two(other, "sub.rn.f64", |a, b| a - b)
+    }
+}
+
+impl Mul for Number {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        match (self.value(), other.value()) {
+            // Exact, and so not needed.
+            (Some(1.0), None) => other,
+            (None, Some(1.0)) => self,
+            (Some(-1.0), None) => -other,
+            (None, Some(-1.0)) => -self,
+            _ => self.two(other, "mul.rn.f64", |a, b| a * b),
+        }
+    }
+}
+
+impl Div for Number {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        self.two(other, "div.rn.f64", |a, b| a / b)
+    }
+}
+
+impl Neg for Number {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.one("neg.f64", |x| -x)
+    }
+}
+
+macro_rules! with_constants {
+    ($($operation:ident $method:ident)*) => {
+        $(impl $operation<f64> for Number {
+            type Output = Self;
+            fn $method(self, other: f64) -> Self {
+                $operation::$method(self, Self::from(other))
+            }
+        })*
+    };
+}
+
+with_constants!(Add add Sub sub Mul mul Div div);
+
+impl Word {
+    /// A register of its own.
+    pub fn new() -> Self {
+        with(|text| {
+            text.words += 1;
+            Self::Register(text.words)
+        })
+    }
+
+    /// A word by an operation.
+    pub fn by(operation: &str, operands: impl Display) -> Self {
+        let to = Self::new();
+        line(format_args!("{operation} {to}, {operands};"));
+        to
+    }
+
+    /// Replaces the content of this register.
+    pub fn set(self, value: impl Into<Self>) {
+        line(format_args!("mov.b64 {self}, {};", value.into()));
+    }
+
+    /// The number with these bits.
+    pub fn number(self) -> Number {
+        match self {
+            Self::Constant(bits) => Number::Constant(bits),
+            Self::Register(_) => Number::by("mov.b64", self),
+        }
+    }
+
+    /// The low 64 bits of the product.
+    pub fn times(self, other: impl Into<Self>) -> Self {
+        Self::by("mul.lo.u64", format_args!("{self}, {}", other.into()))
+    }
+
+    /// The sum, without a carry.
+    pub fn plus(self, other: impl Into<Self>) -> Self {
+        Self::by("add.u64", format_args!("{self}, {}", other.into()))
+    }
+
+    /// The difference, without a borrow.
+    pub fn minus(self, other: impl Into<Self>) -> Self {
+        Self::by("sub.u64", format_args!("{self}, {}", other.into()))
+    }
+
+    /// The bits turned to the left.
+    pub fn rotated(self, by: u32) -> Self {
+        (self << by) | (self >> (64 - by))
+    }
+
+    /// Whether the comparison `how` (lt, ge, eq, ne) holds.
+    pub fn is(self, how: &str, other: impl Into<Self>) -> Condition {
+        Condition::by(&format!("setp.{how}.u64"), format_args!("{self}, {}", other.into()))
+    }
+
+    /// The word at an address and an offset in bytes.
+    pub fn load(address: Self, offset: usize) -> Self {
+        Self::by("ld.global.u64", format_args!("[{address}+{offset}]"))
+    }
+
+    /// Writes the word to an address.
+    pub fn store(self, address: Self) {
+        line(format_args!("st.global.u64 [{address}], {self};"));
+    }
+}
+
+macro_rules! on_bits {
+    ($($operation:ident $method:ident $name:literal)*) => {
+        $(impl<T: Into<Word>> $operation<T> for Word {
+            type Output = Self;
+            fn $method(self, other: T) -> Self {
+                Self::by($name, format_args!("{self}, {}", other.into()))
+            }
+        })*
+    };
+}
+
+on_bits!(BitAnd bitand "and.b64" BitOr bitor "or.b64" BitXor bitxor "xor.b64");
+
+impl Shl<u32> for Word {
+    type Output = Self;
+    fn shl(self, by: u32) -> Self {
+        Self::by("shl.b64", format_args!("{self}, {by}"))
+    }
+}
+
+impl Shr<u32> for Word {
+    type Output = Self;
+    fn shr(self, by: u32) -> Self {
+        Self::by("shr.u64", format_args!("{self}, {by}"))
+    }
+}
+
+impl Condition {
+    fn by(operation: &str, operands: impl Display) -> Self {
+        let to = with(|text| {
+            text.conditions += 1;
+            Self(text.conditions)
+        });
+        line(format_args!("{operation} {to}, {operands};"));
+        to
+    }
+
+    /// Goes on at a label if it holds.
+    pub fn jump(self, to: Label) {
+        line(format_args!("@{self} bra {to};"));
+    }
+
+    /// Goes on at a label if it does not hold.
+    pub fn jump_unless(self, to: Label) {
+        line(format_args!("@!{self} bra {to};"));
+    }
+}
+
+impl Label {
+    /// A label of its own.
+    pub fn new() -> Self {
+        with(|text| {
+            text.labels += 1;
+            Self(text.labels)
+        })
+    }
+
+    /// Puts the label here.
+    pub fn here(self) {
+        with(|text| text.lines += &format!("{self}:\n"));
+    }
+
+    /// Goes on at the label.
+    pub fn jump(self) {
+        line(format_args!("bra {self};"));
+    }
+}

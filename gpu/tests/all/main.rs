@@ -1,0 +1,4 @@
+//! Kernels against the processor, by an interpreter of their PTX.
+
+mod bits;
+mod interpreter;
