@@ -8,7 +8,7 @@ use std::{
 use cudarc::{
     driver::{
         CudaContext, CudaFunction, CudaSlice, CudaStream, DriverError, LaunchConfig, PushKernelArg,
-        sys::{self, CUresult},
+        sys::{self, CUdevice_attribute, CUresult},
     },
     nvrtc::Ptx,
 };
@@ -57,15 +57,6 @@ impl Card {
         Ok(Self { context, stream, kernels: Mutex::default() })
     }
 
-    /// Name, compute capability and bytes of memory.
-    ///
-    /// # Errors
-    /// [`Failure`].
-    pub fn about(&self) -> Result<(String, (i32, i32), usize), Failure> {
-        let context = &self.context;
-        Ok((context.name()?, context.compute_capability()?, context.total_mem()?))
-    }
-
     fn kernel(&self, ptx: &str) -> Result<CudaFunction, Failure> {
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kernel) = kernels.get(ptx) {
@@ -85,7 +76,29 @@ struct OnCard {
     states: CudaSlice<f64>,
 }
 
+/// Ratio of rates in single and in double precision beyond which a card is slow.
+const SLOW: i32 = 8;
+
 impl Machine for Card {
+    fn about(&self) -> String {
+        let of = || {
+            let attribute =
+                CUdevice_attribute::CU_DEVICE_ATTRIBUTE_SINGLE_TO_DOUBLE_PRECISION_PERF_RATIO;
+            let ratio = self.context.attribute(attribute)?;
+            let slow = match ratio > SLOW {
+                true => format!(", of which double precision has 1/{ratio} of the rate of single"),
+                false => String::new(),
+            };
+            let gigabytes = self.context.total_mem()? as f64 / f64::from(1 << 30);
+            Ok::<_, DriverError>(format!("{}, {gigabytes:.0} GB{slow}", self.context.name()?))
+        };
+        of().unwrap_or_else(|error| error.to_string())
+    }
+
+    fn fewest(&self) -> u64 {
+        1 << 11
+    }
+
     fn begin(
         &self,
         ptx: &str,

@@ -17,7 +17,11 @@ mod number;
 mod plan;
 mod ptx;
 
-use std::sync::Mutex;
+use std::{
+    fmt::{self, Debug, Display, Formatter},
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
 
 use mc::{Device, Task, Trajectories};
 use noise::{Purpose, StreamKey};
@@ -41,8 +45,8 @@ pub enum Failure {
     Other(String),
 }
 
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::None(why) => write!(f, "no graphics card can be used: {why}"),
             Self::Memory(why) => write!(f, "the card has too little memory: {why}"),
@@ -56,6 +60,12 @@ impl std::error::Error for Failure {}
 
 /// What runs kernels: a card, or an interpreter of PTX.
 pub trait Machine: Send + Sync {
+    /// What it is, in words.
+    fn about(&self) -> String;
+
+    /// Number of paths of which fewer are sooner done on the processor.
+    fn fewest(&self) -> u64;
+
     /// Begins a march of `paths` paths with this memory and room for so many states.
     ///
     /// # Errors
@@ -106,11 +116,6 @@ impl<M: Machine> Gpu<M> {
         Self { machine, reasons: Mutex::default() }
     }
 
-    /// The reasons why paths were left to the processor.
-    pub fn reasons(&self) -> Vec<String> {
-        self.reasons.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
-    }
-
     /// The kernel of a task.
     ///
     /// # Errors
@@ -151,6 +156,12 @@ impl<M: Machine> Gpu<M> {
     }
 }
 
+impl<M: Machine> Debug for Gpu<M> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.machine.about())
+    }
+}
+
 impl<M: Machine> Device for Gpu<M> {
     fn advance(&self, task: &Task<'_>) -> Option<Trajectories> {
         self.march(task).unwrap_or_else(|why| {
@@ -160,10 +171,18 @@ impl<M: Machine> Device for Gpu<M> {
     }
 
     fn refuse(&self, why: &str) {
-        let mut reasons = self.reasons.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut reasons = self.reasons.lock().unwrap_or_else(PoisonError::into_inner);
         if !reasons.iter().any(|known| known == why) {
             reasons.push(why.into());
         }
+    }
+
+    fn fewest(&self) -> u64 {
+        self.machine.fewest()
+    }
+
+    fn refused(&self) -> Vec<String> {
+        self.reasons.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -190,7 +209,7 @@ fn memory(plan: &Plan<'_>, task: &Task<'_>) -> Vec<u64> {
 }
 
 /// The states of streams, word by word.
-fn streams(key: StreamKey, paths: std::ops::Range<u64>) -> impl Iterator<Item = u64> {
+fn streams(key: StreamKey, paths: Range<u64>) -> impl Iterator<Item = u64> {
     let states: Vec<[u64; 4]> = paths.map(|path| key.state(path)).collect();
     (0..4).flat_map(move |k| states.clone().into_iter().map(move |state| state[k]))
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use scenes::{Changes, count};
 use verbs::{
     Compare, Equilibrium, Expect, Fit, Inspect, Lyapunov, Order, failure::Done, output::Format,
@@ -83,6 +83,9 @@ quantile as q0.05), value and error; or of samples, with t and a column for each
         /// Number of threads. Default: one for each processor
         #[arg(long)]
         threads: Option<u64>,
+        /// The machine that advances paths; the results are the same bits on any
+        #[arg(long, value_enum, default_value_t)]
+        on: Machine,
     },
     /// Put the parts in a folder together, or say which are missing
     Merge {
@@ -128,7 +131,7 @@ impl Command {
             Order(asked) => commands::compute(&asked),
             Compare(asked) => commands::compute(&asked),
             Plan(asked) => commands::plan(&asked),
-            Part { folder, part, threads } => commands::part(&folder, part, threads),
+            Part { folder, part, threads, on } => commands::part(&folder, part, threads, on),
             Merge { folder, write, json } => commands::merge(&folder, &write, json),
             Extend { folder, paths } => commands::extend(&folder, paths),
             Schema { verb } => commands::schema(verb.as_deref()),
@@ -162,6 +165,16 @@ pub struct On {
     pub threads: Option<u64>,
 }
 
+/// A machine that advances paths.
+#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
+pub enum Machine {
+    /// This processor
+    #[default]
+    Cpu,
+    /// A graphics card of NVIDIA, with what the processor has to do beside it
+    Gpu,
+}
+
 #[derive(Args)]
 pub struct Run {
     #[command(flatten)]
@@ -172,6 +185,9 @@ pub struct Run {
     /// Keep tables that are more than a gigabyte of text
     #[arg(long)]
     pub large: bool,
+    /// The machine that advances paths; the results are the same bits on any
+    #[arg(id = "machine", long = "on", value_enum, default_value_t)]
+    pub machine: Machine,
     #[command(flatten)]
     pub on: On,
 }

@@ -29,6 +29,7 @@ pub fn run(program: PathBuf, arguments: Vec<OsString>) -> u8 {
     commands::handle_signals();
     let cited = || commands::citation(citation.flatten().as_deref());
     let done = command.map_or_else(cited, Command::run);
+    commands::left_to_processor();
     let (code, kind, words) = match done {
         Ok(()) => return 0,
         Err(Failure::Scene(error)) => (2, "error", error.to_string()),

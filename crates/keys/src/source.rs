@@ -2,7 +2,10 @@
 
 use std::{fmt::Display, ops::Range, sync::Arc};
 
-use casimir::formula::{Formula, FormulaError, Names, excerpt};
+use casimir::{
+    formula::{Formula, FormulaError, Names, excerpt},
+    mc::Device,
+};
 
 use super::values::{At, Text};
 
@@ -15,6 +18,8 @@ pub struct Source {
     pub text: String,
     /// Initial states given by a program, in the place of the file that the text names.
     pub states: Option<Arc<Vec<Vec<f64>>>>,
+    /// A machine that advances paths where it can, with the bits of this one.
+    pub device: Option<Arc<dyn Device>>,
 }
 
 /// An error in a scene: the mistake, its place, and the remedy.

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    fmt::Debug,
     ops::Range,
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
@@ -21,12 +22,20 @@ use crate::{
 ///
 /// A step is known to it as a [`Listing`](schemes::Listing). What it does not compute, and paths on
 /// which a step has no solution by plain iteration, are left to the processor.
-pub trait Device: Send + Sync {
+pub trait Device: Debug + Send + Sync {
     /// The states of paths at some times; none if the machine cannot, of which it keeps the reason.
     fn advance(&self, task: &Task<'_>) -> Option<Trajectories>;
 
+    /// Number of paths of which fewer are sooner done on the processor.
+    fn fewest(&self) -> u64 {
+        MIN_PATHS
+    }
+
     /// Keeps the reason why paths are not computed on the machine.
     fn refuse(&self, why: &str);
+
+    /// The reasons that were kept, each once.
+    fn refused(&self) -> Vec<String>;
 }
 
 /// Paths to be advanced.
@@ -84,9 +93,9 @@ pub struct Trajectories {
 
 /// Most bytes of the states of a task.
 const MAX_BYTES: usize = 1 << 28;
-/// Fewest and most paths of a task: fewer are no work for such a machine.
-const MIN_PATHS: usize = 1 << 11;
-const MAX_PATHS: usize = 1 << 20;
+/// Fewest and most paths of a task: of fewer the processor is sooner done.
+const MIN_PATHS: u64 = 1 << 11;
+const MAX_PATHS: u64 = 1 << 20;
 /// Most tasks whose results are kept until all of their groups are read.
 const MAX_KEPT: usize = 64;
 
@@ -94,7 +103,7 @@ type Computed = Arc<OnceLock<Option<Trajectories>>>;
 
 /// The paths of a ladder on a device, computed ahead of the groups that read them.
 pub struct Ahead<'a> {
-    device: &'a dyn Device,
+    pub device: &'a dyn Device,
     /// Results by the first path.
     tasks: Mutex<BTreeMap<u64, Computed>>,
 }
@@ -110,7 +119,7 @@ pub struct Wanted<'a> {
 }
 
 impl<'a> Ahead<'a> {
-    /// Runs that a device takes: on levels of their own, with noise that is drawn.
+    /// The paths of a ladder whose noise is drawn, and whose runs are not swapped.
     pub fn new(device: &'a dyn Device) -> Self {
         Self { device, tasks: Mutex::default() }
     }
@@ -124,13 +133,17 @@ impl<'a> Ahead<'a> {
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
     ) -> Option<Result<Tally, Tally>> {
+        if all.end - all.start < self.device.fewest() {
+            self.device.refuse("few paths are sooner done on the processor");
+            return None;
+        }
         let times: Vec<u64> =
             (1..=driver.finest_steps >> driver.levels).filter(|&time| reads(time)).collect();
         let rows = driver.runs.len() * (driver.dimension + 1);
         let fit = MAX_BYTES / (8 * rows * times.len().max(1)) / GROUP_PATHS as usize;
-        let size = (fit * GROUP_PATHS as usize).min(MAX_PATHS) as u64;
-        if size < MIN_PATHS as u64 {
-            self.device.refuse("its paths have too many times that are read");
+        let size = (fit as u64 * GROUP_PATHS).min(MAX_PATHS);
+        if size < MIN_PATHS {
+            self.device.refuse("the times at which states are read are too many");
             return None;
         }
         let first = all.start + (group.start - all.start) / size * size;
@@ -163,7 +176,7 @@ impl<'a> Ahead<'a> {
         stop: &Stop,
     ) -> Option<Trajectories> {
         let bound = |number| {
-            let batch = driver.batches.iter().find(|batch| batch.has(number));
+            let batch = driver.batches.iter().find(|batch| batch.runs.contains(&number));
             batch.map_or(f64::INFINITY, |batch| batch.bounds.increment)
         };
         let runs = driver.runs.iter().enumerate().map(|(number, run)| TaskRun {
@@ -251,9 +264,10 @@ fn show(
         }
     }
     let mut tally = driver.tally();
-    for (run, of) in driver.runs.iter().enumerate() {
-        let counts = &found.clipped[run * count..][first..end];
-        tally.clipped[of.level] += counts.iter().sum::<f64>() as u64;
+    for batch in &driver.batches {
+        // All runs of a batch have the same increments.
+        let counts = &found.clipped[batch.runs[0] * count..][first..end];
+        tally.clipped[batch.level] += counts.iter().sum::<f64>() as u64;
     }
     Some(tally)
 }

@@ -45,11 +45,11 @@ pub struct Bounds {
 
 /// Runs of one level with the same noise.
 pub struct Batch {
-    level: usize,
+    pub level: usize,
     /// Whether the runs exchange the two halves of each step of the level above.
     pub swapped: bool,
     pub bounds: Bounds,
-    runs: Vec<usize>,
+    pub runs: Vec<usize>,
 }
 
 impl Batch {
@@ -62,11 +62,6 @@ impl Batch {
             Some(batch) => batch.runs.push(run),
             None => batches.push(Self { level, swapped, bounds, runs: vec![run] }),
         }
-    }
-
-    /// Whether a run is one of them.
-    pub fn has(&self, run: usize) -> bool {
-        self.runs.contains(&run)
     }
 
     /// Level of the steps at whose ends the runs advance.

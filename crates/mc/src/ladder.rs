@@ -236,13 +236,10 @@ impl<'a> Ladder<'a> {
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let stack = runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0);
-        let apart = |run: &Run<'_>| {
-            !run.swapped && runs.iter().filter(|other| other.level == run.level).count() == 1
-        };
         let ahead = problem.device.filter(|device| {
-            let fits = !with_areas && runs.iter().all(apart);
+            let fits = !with_areas && !runs.iter().any(|run| run.swapped);
             if !fits {
-                device.refuse("it reads Levy areas, or has two schemes with steps of one size");
+                device.refuse("schemes with Levy areas, and antithetic paths, are not for it");
             }
             fits
         });
@@ -271,7 +268,7 @@ impl<'a> Ladder<'a> {
     /// Computes a random time along each path, see [`TimeChange`].
     #[must_use]
     pub fn with_time_change(mut self, time_change: &'a dyn TimeChange) -> Self {
-        self.ahead = None;
+        self.leave_device();
         self.driver.time_change = Some(time_change);
         self
     }
@@ -281,8 +278,15 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
         self.driver.noise = Box::new(source);
-        self.ahead = None;
+        self.leave_device();
         self
+    }
+
+    /// Leaves the paths to the processor.
+    fn leave_device(&mut self) {
+        if let Some(ahead) = self.ahead.take() {
+            ahead.device.refuse("its noise is made on the processor, as points of Sobol are");
+        }
     }
 
     /// Multiplies the noise of each path by a factor.
@@ -383,7 +387,8 @@ impl<'a> Ladder<'a> {
             if stop.is_asked() {
                 return None;
             }
-            let (statistic, tally) = self.group(first, samples, group, &new, stop);
+            let all = first..first + samples;
+            let (statistic, tally) = self.group(first, all, group, &new, stop);
             Some((statistic, tally.unwrap_or_else(|cut_short| cut_short)))
         };
         let mut tree = MergeTree::new(merge);
@@ -456,8 +461,9 @@ impl<'a> Ladder<'a> {
         stop: &Stop,
         after: &mut After<'_, T>,
     ) -> u64 {
+        let all = groups.start * GROUP_PATHS..paths.min(groups.end * GROUP_PATHS);
         let compute = |group| {
-            let (statistic, tally) = self.group(0, paths, group, new, stop);
+            let (statistic, tally) = self.group(0, all.clone(), group, new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
         grow(tree, groups, &compute, after)
@@ -475,23 +481,21 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), new)
     }
 
-    /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
-    /// counts if `stop` cut it short.
+    /// The statistic of a group of paths, counted from path number `first`, of `all` that are
+    /// wanted; `Err` with the counts if `stop` cut it short.
     fn group<T: Statistic>(
         &self,
         first: u64,
-        samples: u64,
+        all: Range<u64>,
         group: u64,
         new: &dyn Fn() -> T,
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
-        let offset = group * GROUP_PATHS;
-        let paths = GROUP_PATHS.min(samples - offset);
+        let start = first + group * GROUP_PATHS;
+        let paths = GROUP_PATHS.min(all.end - start);
         let mut statistic = new();
         if let Some(ahead) = &self.ahead {
-            let start = first + offset;
-            let (group, all) = (start..start + paths, first..first + samples);
-            let reader = new();
+            let (reader, group) = (new(), start..start + paths);
             let wanted = Wanted { group, all, reads: &|time| reader.reads(time) };
             let mut observe = |view: &View<'_>| statistic.observe(view);
             if let Some(tally) =
@@ -502,7 +506,7 @@ impl<'a> Ladder<'a> {
         }
         let mut observe = |view: &View<'_>| statistic.observe(view);
         let tally = on_stack(self.stack, || {
-            self.driver.march(first + offset, paths, &mut observe, &*self.progress, stop)
+            self.driver.march(start, paths, &mut observe, &*self.progress, stop)
         });
         (statistic, tally)
     }

@@ -21,7 +21,7 @@
 //! until = 1
 //! steps = 64
 //! "#;
-//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None };
+//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None, device: None };
 //! let scene = Scene::new(source, &Changes::default())?;
 //! let setup = scene.setup("sexp")?;
 //! let simulation = Simulation::new(setup, scene.settings.truncation);
@@ -332,7 +332,7 @@ impl Scene {
     pub fn problem(&self) -> Problem<'_> {
         let problem = self.model.problem();
         let initial = problem.initial.clone().or_else(|| self.settings.random.clone());
-        Problem { initial, ..problem }
+        Problem { initial, device: self.source.device.as_deref(), ..problem }
     }
 
     /// An error about the steps.

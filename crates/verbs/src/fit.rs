@@ -178,7 +178,7 @@ impl Fit {
         };
         let text =
             text.map_err(|error| Failure::Usage(format!("cannot read the data {name}: {error}")))?;
-        Ok(Source { name, text, states: None })
+        Ok(Source { name, text, states: None, device: None })
     }
 
     /// The parameters with the values of the scene.

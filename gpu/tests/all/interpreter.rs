@@ -297,6 +297,14 @@ struct Interpreted {
 }
 
 impl Machine for Interpreter {
+    fn about(&self) -> String {
+        "an interpreter".into()
+    }
+
+    fn fewest(&self) -> u64 {
+        0
+    }
+
     fn begin(
         &self,
         ptx: &str,

@@ -15,7 +15,7 @@ use verbs::{
     scheme,
 };
 
-use super::{print, print_json, source};
+use super::{card, print, print_json, source};
 
 /// Prints a scene, or lists them.
 pub fn new(name: Option<&str>, list: bool) -> Done {
@@ -48,6 +48,10 @@ pub fn schema(verb: Option<&str>) -> Done {
 /// Prints facts and what the self-test found.
 pub fn doctor() -> Done {
     print(&facts(option_env!("CASIMIR_COMMIT")))?;
+    if cfg!(feature = "gpu") {
+        let card = card().map_or_else(|why| why, |card| format!("{card:?}"));
+        print(&format!("card          {card}\n"))?;
+    }
     let (text, holds) = self_test(EXPECTED)?;
     print(&text)?;
     let words = "attach this text, the scene, the command, and what should have come out";

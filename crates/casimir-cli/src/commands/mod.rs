@@ -9,13 +9,13 @@ use std::{
     io::Write,
     path::{Path, PathBuf},
     process,
-    sync::OnceLock,
+    sync::{Arc, OnceLock},
     thread,
     time::{Duration, Instant},
 };
 
 use casimir::mc::{
-    files,
+    Device, files,
     parts::{Job, Program, Share, Stop, limit_threads},
 };
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,7 +35,7 @@ pub use about::{citation, doctor, new, schema};
 pub use parts::{extend, merge, part, plan};
 pub use scene::{compute, run};
 
-use crate::arguments::On;
+use crate::arguments::{Machine, On};
 
 /// Reads the scene of a command, checks it and the folder, and limits the number of threads if
 /// asked for.
@@ -56,7 +56,37 @@ fn source(file: &Path) -> Done<Source> {
     let name = file.display().to_string();
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
-    Ok(Source { name, text, states: None })
+    Ok(Source { name, text, states: None, device: None })
+}
+
+/// The machine of a command, once it is known.
+static DEVICE: OnceLock<Arc<dyn Device>> = OnceLock::new();
+
+/// The machine that advances paths beside the processor.
+fn device(on: Machine) -> Done<Option<Arc<dyn Device>>> {
+    if on == Machine::Cpu {
+        return Ok(None);
+    }
+    let device = card().map_err(Failure::Run)?;
+    Ok(Some(Arc::clone(DEVICE.get_or_init(|| device))))
+}
+
+#[cfg(feature = "gpu")]
+fn card() -> Result<Arc<dyn Device>, String> {
+    let card = gpu::Card::first().map_err(|error| error.to_string())?;
+    Ok(Arc::new(gpu::Gpu::new(card)))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn card() -> Result<Arc<dyn Device>, String> {
+    Err("this program was built without cards: build it with `--features gpu`".into())
+}
+
+/// Says which paths were not computed on the machine that was asked for.
+pub fn left_to_processor() {
+    for why in DEVICE.get().iter().flat_map(|device| device.refused()) {
+        eprintln!("note: paths were computed on the processor: {why}");
+    }
 }
 
 /// A job with checkpoints in a folder.

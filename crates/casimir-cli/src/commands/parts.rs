@@ -6,7 +6,7 @@ use casimir::mc::{
     files,
     parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
 };
-use scenes::{Changes, Sweep};
+use scenes::{Changes, Source, Sweep};
 use serde::{Deserialize, Serialize};
 use verbs::{
     self, Outcomes, Settled, Watch,
@@ -18,8 +18,11 @@ use verbs::{
     program,
 };
 
-use super::{prepare, print, scene::write, source, stoppable, watch};
-use crate::{PROGRAM, arguments::Plan};
+use super::{device, prepare, print, scene::write, source, stoppable, watch};
+use crate::{
+    PROGRAM,
+    arguments::{Machine, Plan},
+};
 
 /// Plan of a run in parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Serialize, Deserialize)]
@@ -47,7 +50,7 @@ struct Folder {
 }
 
 impl Folder {
-    fn open(folder: &Path) -> Done<Self> {
+    fn open(folder: &Path, on: Machine) -> Done<Self> {
         let file = folder.join(PLAN);
         let text = fs::read(&file).map_err(serde_json::Error::io);
         let divided = text.and_then(|text| serde_json::from_slice::<Divided>(&text));
@@ -55,7 +58,8 @@ impl Folder {
             let file = file.display();
             Failure::Usage(format!("{file} does not say what its parts are: {error}"))
         })?;
-        let sweep = Sweep::new(&source(&folder.join(SCENE))?, &divided.changes)?;
+        let source = Source { device: device(on)?, ..source(&folder.join(SCENE))? };
+        let sweep = Sweep::new(&source, &divided.changes)?;
         let opened = Self { divided, sweep };
         if opened.divided.sum != opened.sum()? {
             let folder = folder.display();
@@ -151,9 +155,9 @@ pub fn plan(arguments: &Plan) -> Done {
 }
 
 /// Computes one part.
-pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
+pub fn part(folder: &Path, part: u64, cpus: Option<u64>, on: Machine) -> Done {
     cpus.map_or(Ok(()), limit_threads)?;
-    let opened = Folder::open(folder)?;
+    let opened = Folder::open(folder, on)?;
     let share = Share::new(part, opened.divided.parts)?;
     let watch = stoppable();
     let job = Job::part(folder, share, opened.program())?.stopped_by(&watch.stop);
@@ -172,7 +176,7 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
 
 /// Puts the parts together.
 pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
-    let opened = Folder::open(folder)?;
+    let opened = Folder::open(folder, Machine::Cpu)?;
     files::check(folder)?;
     let watch = stoppable();
     let job = Job::merge(folder, opened.program())?.stopped_by(&watch.stop);
@@ -191,7 +195,7 @@ pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
 
 /// Asks for more paths in a folder.
 pub fn extend(folder: &Path, paths: u64) -> Done {
-    let mut opened = Folder::open(folder)?;
+    let mut opened = Folder::open(folder, Machine::Cpu)?;
     let before = opened.sweep.scene().settings.paths;
     if paths <= before {
         return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));

@@ -7,7 +7,7 @@ use casimir::mc::{
     parts::{Job, JobError, Program, Share, remove},
 };
 use clap::Args;
-use scenes::{Apart, Scene, Sweep};
+use scenes::{Apart, Scene, Source, Sweep};
 use verbs::{
     self, Found, Outcomes, Store, Stores, Verb, Watch,
     failure::{
@@ -19,14 +19,15 @@ use verbs::{
 };
 
 use super::{
-    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, read, stoppable, store,
-    tell, watch,
+    READING, REPORT, device, folder, going_on, keeping, prepare, print, print_json, read,
+    stoppable, store, tell, watch,
 };
 use crate::arguments::{Asked, Run};
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
-pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
-    let sweep = read(on, |source| Sweep::new(&source, changes))?;
+pub fn run(Run { changes, write: formats, large, machine, on }: &Run) -> Done {
+    let device = device(*machine)?;
+    let sweep = read(on, |source| Sweep::new(&Source { device, ..source }, changes))?;
     if !(formats.is_empty() || *large) {
         check_size(&sweep)?;
     }

@@ -41,7 +41,8 @@ steps = 64
 
 /// A scene of a text.
 pub fn scene(text: &str) -> Scene {
-    let source = Source { name: "scene.toml".into(), text: text.into(), states: None };
+    let source =
+        Source { name: "scene.toml".into(), text: text.into(), states: None, device: None };
     Scene::new(source, &Changes::default()).expect("a scene")
 }
 
