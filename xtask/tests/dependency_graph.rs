@@ -34,7 +34,8 @@ keys: casimir
 scenes: keys casimir kernels matrix
 runs: scenes casimir
 verbs: runs scenes fit casimir
-cli: verbs scenes casimir
+gpu: mc formula expression schemes systems nonlin noise real
+cli: verbs scenes casimir gpu
 verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real
 xtask:";
 
