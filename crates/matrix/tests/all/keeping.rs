@@ -66,6 +66,14 @@ fn a_step_is_an_exponential() {
     let turned = matrix(2, &after(&setup(&moved, &noisy, Scheme::Explicit), 1, 1.0, 1), 0)[2];
     let dw = numbers(0) * 3f64.sqrt();
     assert!(dw.abs() > 0.1 && (turned.im.atan2(turned.re) + dw).abs() < 1e-4, "{dw} {turned}");
+    // The first entry of D is zero: rows must be exchanged.
+    let mut across = vec![real(0.0); 9];
+    [(1, 10f64.sqrt()), (3, 10f64.sqrt()), (5, 1.0), (7, 1.0)].map(|(at, v)| across[at] = real(v));
+    let across = Arc::new(Quantum::new(3, across, vec![]).unwrap());
+    let w = generic(3, 40);
+    let turned = problem(&across, &w, 0.0, 1.0);
+    let turned = matrix(3, &after(&setup(&turned, &across, Scheme::Explicit), 1, 1.0, 1), 0);
+    assert!(change(&w, &turned, 3, 3) < 1e-13);
     let system = Arc::new(Quantum::new(2, energies, vec![]).unwrap());
     let still = problem(&system, &[real(0.5); 4], 0.0, 1.0);
     let half = 0.5f64;

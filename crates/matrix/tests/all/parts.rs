@@ -75,6 +75,12 @@ fn functions_of_a_state_are_those_of_its_amplitudes() {
         let found = value(&spins.functions(), name, 3, &both);
         assert!((found - 0.5 * sum).abs() < 1e-14, "{name}: {found}");
     }
+    // S = 2 in its highest level: 4D + 16K.
+    let anisotropy = SpinCouplings { quadratic: 0.7, quartic: 0.2, ..Default::default() };
+    let five = Arc::new(SuSpins::new(5, Shape::open(&[1]).unwrap(), anisotropy).unwrap());
+    let mut highest = Vec::new();
+    pure(&[3.0, 0.0, 0.0, 0.0, 0.0], &mut highest);
+    assert!((value(&five.functions(), "energy", 5, &highest) - 6.0).abs() < 1e-14);
     let h = generic(3, 5);
     let known: f64 = (0..9).map(|at| (h[at].conj() * w[at]).re).sum();
     let quantum = Arc::new(Quantum::new(3, h, vec![]).unwrap());
