@@ -68,7 +68,8 @@ fn a_step_is_an_exponential() {
     assert!(dw.abs() > 0.1 && (turned.im.atan2(turned.re) + dw).abs() < 1e-4, "{dw} {turned}");
     // The first entry of D is zero: rows must be exchanged.
     let mut across = vec![real(0.0); 9];
-    [(1, 10f64.sqrt()), (3, 10f64.sqrt()), (5, 1.0), (7, 1.0)].map(|(at, v)| across[at] = real(v));
+    let entries = [(1, 10f64.sqrt()), (3, 10f64.sqrt()), (5, 1.0), (7, 1.0)];
+    entries.into_iter().for_each(|(at, v)| across[at] = real(v));
     let across = Arc::new(Quantum::new(3, across, vec![]).unwrap());
     let w = generic(3, 40);
     let turned = problem(&across, &w, 0.0, 1.0);
