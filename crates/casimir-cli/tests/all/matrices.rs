@@ -100,8 +100,10 @@ fn inspect_lists_the_schemes_that_run() {
         let listed = orders.as_array().unwrap().iter().map(|order| order["scheme"].as_str());
         let mut listed: Vec<&str> = listed.map(Option::unwrap).collect();
         listed.sort_unstable();
-        let few = |scheme| ["run", "scene.toml", "--scheme", scheme, "--paths", "1"];
-        let runs = |scheme: &&str| run(path, &few(scheme)).status.success();
+        let runs = |scheme: &&str| {
+            let few = ["run", "scene.toml", "--scheme", *scheme, "--paths", "1"];
+            run(path, &few).status.success()
+        };
         let all = BuiltIn::ALL.map(BuiltIn::id);
         let mut able: Vec<&str> = all.into_iter().filter(runs).collect();
         able.sort_unstable();
