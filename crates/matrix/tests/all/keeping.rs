@@ -121,7 +121,7 @@ fn spectra_are_kept_at_any_step_and_damped_exactly() {
     }
 }
 
-/// Many steps at three sizes. By hand, 100 000 at 64 and 4000 at 128 stay below 10⁻¹², too.
+/// Many steps at three sizes. By hand, 100 000 at 64 and 128 stay below 10⁻¹², too.
 #[test]
 #[ignore = "minutes"]
 fn spectra_are_kept_over_many_steps() {
