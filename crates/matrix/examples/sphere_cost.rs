@@ -1,9 +1,16 @@
-//! Seconds, errors and drifts of Euler's equations on the sphere up to T = 10, one thread:
-//! `sphere_cost FOLDER N…` writes the initial and the last matrices there, for
+//! Seconds of the processor, errors and drifts of Euler's equations on the sphere up to T:
+//! `sphere_cost FOLDER T N…` writes the initial and the last matrices there, for
 //! `examples/isospectral.py`, and prints a table; `sphere_cost drift STEPS N…` the changes of tr Wᵏ
-//! after so many steps with noise and τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|.
+//! after so many steps with noise and τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|;
+//! `sphere_cost threads TURNS N…` the least time of a step on one thread and on two, by turns.
 
-use std::{error::Error, fs, path::Path, sync::Arc, time::Instant};
+use std::{
+    error::Error,
+    fs,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use matrix::{
     InCoordinates, MatrixSystem, Scheme, Sphere, c64, coordinates, matrices, setup, traces,
@@ -13,8 +20,6 @@ use nonlin::BlockStatus;
 use real::PathMask;
 use schemes::Step;
 use systems::{Constant, run_time::Problem};
-
-const T: f64 = 10.0;
 
 /// Harmonics of degrees up to 10 with a mean square of one on the sphere.
 fn vorticity(fluid: &Sphere) -> Vec<c64> {
@@ -32,33 +37,42 @@ fn vorticity(fluid: &Sphere) -> Vec<c64> {
     w
 }
 
-/// The last matrix, and seconds of a step.
+/// The last matrix, and the seconds of the fastest step; of none if a step fails.
 fn run(
     fluid: &Arc<Sphere>,
     w: &[c64],
     scheme: Scheme,
-    steps: u64,
+    (t_end, steps): (f64, u64),
 ) -> Result<(Vec<c64>, f64), Box<dyn Error>> {
     let n = fluid.size();
     let mut y0 = vec![0.0; n * n];
     coordinates(n, w, |i, y| y0[i] = y);
     let system = InCoordinates::new(Arc::clone(fluid));
-    let problem = Problem::new(Arc::new(system), Arc::new(Constant::new(0.0)?), y0, T)?;
+    let problem = Problem::new(Arc::new(system), Arc::new(Constant::new(0.0)?), y0, t_end)?;
     let setup = setup(&problem, Arc::clone(fluid) as _, scheme);
     let mut path = setup.scheme.start(&setup.start());
     path.rests(PathMask::first(1));
     let (noise, mut status) = (StepNoise::zero(0), BlockStatus::explicit());
-    let start = Instant::now();
+    let mut seconds = f64::INFINITY;
     for k in 0..steps {
-        path.step(&Step::new(problem.damping(), k, T / steps as f64)?, &noise, &mut status);
+        let start = Instant::now();
+        path.step(&Step::new(problem.damping(), k, t_end / steps as f64)?, &noise, &mut status);
+        seconds = start.elapsed().as_secs_f64().min(seconds);
         if !status.failed.is_empty() {
             return Ok((w.to_vec(), f64::NAN));
         }
     }
-    let seconds = start.elapsed().as_secs_f64();
     let mut end = vec![c64::default(); n * n];
     matrices(n, |i| path.state()[i][0], &mut end);
     Ok((end, seconds))
+}
+
+/// Seconds of the processor so far, in hundredths, of all threads: other work on the machine does
+/// not count.
+fn processor() -> Result<f64, Box<dyn Error>> {
+    let stat = fs::read_to_string("/proc/self/stat")?;
+    let fields: Vec<&str> = stat.rsplit(") ").next().unwrap_or_default().split(' ').collect();
+    Ok(0.01 * (fields[11].parse::<f64>()? + fields[12].parse::<f64>()?))
 }
 
 fn distance(a: &[c64], b: &[c64]) -> f64 {
@@ -89,7 +103,7 @@ fn drift(n: usize, steps: u64) -> Result<(), Box<dyn Error>> {
     let mut y0 = vec![0.0; n * n];
     coordinates(n, &w, |i, y| y0[i] = y);
     let system = InCoordinates::new(Arc::clone(&fluid));
-    let problem = Problem::new(Arc::new(system), Arc::new(Constant::new(0.0)?), y0, T)?;
+    let problem = Problem::new(Arc::new(system), Arc::new(Constant::new(0.0)?), y0, 1.0)?;
     let setup = setup(&problem, Arc::clone(&fluid) as _, Scheme::Explicit);
     let mut path = setup.scheme.start(&setup.start());
     path.rests(PathMask::first(1));
@@ -125,27 +139,53 @@ fn drift(n: usize, steps: u64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+fn threads(n: usize, turns: usize) -> Result<(), Box<dyn Error>> {
+    let fluid = Arc::new(Sphere::new(n, 0.0, 1.0, [])?);
+    let w = vorticity(&fluid);
+    let mut seconds = [f64::INFINITY; 2];
+    for k in 0..turns {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + k % 2).build()?;
+        let one = || run(&fluid, &w, Scheme::Explicit, (0.01, 4)).map(|found| found.1);
+        let of = pool.install(|| one().map_err(|error| error.to_string()))?;
+        seconds[k % 2] = of.min(seconds[k % 2]);
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let [one, two] = seconds.map(|seconds| 1e3 * seconds);
+    println!("{n}: {one:.2} ms a step on one thread, {two:.2} on two: {:.2}", one / two);
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     if arguments[1] == "drift" {
         return arguments[3..].iter().try_for_each(|n| drift(n.parse()?, arguments[2].parse()?));
     }
-    for size in &arguments[2..] {
+    if arguments[1] == "threads" {
+        return arguments[3..].iter().try_for_each(|n| threads(n.parse()?, arguments[2].parse()?));
+    }
+    let t_end: f64 = arguments[2].parse()?;
+    let of = |steps: f64| (t_end, (steps * t_end / 10.0).ceil() as u64);
+    for size in &arguments[3..] {
         let n: usize = size.parse()?;
         let fluid = Arc::new(Sphere::new(n, 0.0, 1.0, [])?);
         let w = vorticity(&fluid);
-        let fine: u64 = if n > 128 { 1600 } else { 3200 };
         // Extrapolated: errors are of order two.
         let (a, b) = (
-            run(&fluid, &w, Scheme::Explicit, fine / 2)?.0,
-            run(&fluid, &w, Scheme::Explicit, fine)?.0,
+            run(&fluid, &w, Scheme::Explicit, of(1600.0))?.0,
+            run(&fluid, &w, Scheme::Explicit, of(3200.0))?.0,
         );
         let exact: Vec<c64> = a.iter().zip(&b).map(|(a, b)| (b * 4.0 - a) / 3.0).collect();
         write(&arguments[1], &format!("start{n}"), &w)?;
         write(&arguments[1], &format!("end{n}"), &exact)?;
         for scheme in [Scheme::Explicit, Scheme::Midpoint] {
-            for steps in [25, 50, 100, 200, 400, 800] {
-                let (end, seconds) = run(&fluid, &w, scheme, steps)?;
+            for steps in [25.0, 50.0, 100.0, 200.0, 400.0, 800.0].map(of) {
+                let start = processor()?;
+                let (end, step) = run(&fluid, &w, scheme, steps)?;
+                let (seconds, steps) = (processor()? - start, steps.1);
+                if step.is_nan() {
+                    println!("{n} {scheme:?} {steps}: the iteration does not converge");
+                    continue;
+                }
                 let both = traces(n, &w, 4).into_iter().zip(traces(n, &end, 4));
                 let drift =
                     both.skip(1).step_by(2).map(|(a, b)| (b / a - 1.0).abs()).fold(0.0, f64::max);

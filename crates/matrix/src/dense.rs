@@ -1,5 +1,6 @@
 //! Products and linear equations of square complex matrices, column by column in slices: loops for
-//! small matrices, faer for others. All of a product is on one thread.
+//! small matrices, faer for others. Threads share columns of large ones, in parts of a fixed size,
+//! so that bits do not depend on their number.
 
 use faer::{
     Accum, Conj, MatMut, MatRef, Par, c64,
@@ -10,9 +11,12 @@ use faer::{
     },
     prelude::{Reborrow, ReborrowMut},
 };
+use rayon::prelude::*;
 
 /// Largest size for loops: faer takes longer to begin.
 const SMALL: usize = 8;
+/// Columns of a part.
+const PART: usize = 64;
 
 /// ab, or ab* if `adjoint`.
 pub fn product(n: usize, a: &[c64], b: &[c64], adjoint: bool, out: &mut [c64]) {
@@ -33,9 +37,17 @@ pub fn product(n: usize, a: &[c64], b: &[c64], adjoint: bool, out: &mut [c64]) {
     if adjoint {
         (b, conj) = (b.transpose(), Conj::Yes);
     }
-    let out = MatMut::from_column_major_slice_mut(out, n, n);
     let one = c64::new(1.0, 0.0);
-    matmul_with_conj(out, Accum::Replace, a, Conj::No, b, conj, one, Par::Seq);
+    let part = |(k, out): (usize, &mut [c64])| {
+        let columns = out.len() / n;
+        let b = b.subcols(k * PART, columns);
+        let out = MatMut::from_column_major_slice_mut(out, n, columns);
+        matmul_with_conj(out, Accum::Replace, a, Conj::No, b, conj, one, Par::Seq);
+    };
+    match n {
+        ..=PART => part((0, out)),
+        _ => out.par_chunks_mut(n * PART).enumerate().for_each(part),
+    }
 }
 
 fn view(n: usize, a: &[c64]) -> MatRef<'_, c64> {
@@ -46,15 +58,17 @@ fn view(n: usize, a: &[c64]) -> MatRef<'_, c64> {
 pub struct Equations {
     n: usize,
     permutation: [Vec<usize>; 2],
-    memory: MemBuffer,
+    /// For each part of the right hand sides; the factors take the first.
+    memory: Vec<MemBuffer>,
 }
 
 impl Equations {
     /// Memory for n equations with n right hand sides.
     pub fn new(n: usize) -> Self {
         let factor = factor::lu_in_place_scratch::<usize, c64>(n, n, Par::Seq, Default::default());
-        let solve = solve::solve_in_place_scratch::<usize, c64>(n, n, Par::Seq);
-        let memory = MemBuffer::new(StackReq::any_of(&[factor, solve]));
+        let solve = solve::solve_in_place_scratch::<usize, c64>(n, n.min(PART), Par::Seq);
+        let each = StackReq::any_of(&[factor, solve]);
+        let memory = (0..n.div_ceil(PART)).map(|_| MemBuffer::new(each)).collect();
         Self { n, permutation: [vec![0; n], vec![0; n]], memory }
     }
 
@@ -65,12 +79,19 @@ impl Equations {
             return eliminate(n, a, b);
         }
         let [forward, back] = &mut self.permutation;
-        let stack = MemStack::new(&mut self.memory);
+        let stack = MemStack::new(&mut self.memory[0]);
         let mut a = MatMut::from_column_major_slice_mut(a, n, n);
         let (_, rows) =
             factor::lu_in_place(a.rb_mut(), forward, back, Par::Seq, stack, Default::default());
-        let (a, b) = (a.rb(), MatMut::from_column_major_slice_mut(b, n, n));
-        solve::solve_in_place(a, a, rows, b, Par::Seq, stack);
+        let a = a.rb();
+        let part = |(b, memory): (&mut [c64], &mut MemBuffer)| {
+            let b = MatMut::from_column_major_slice_mut(b, n, b.len() / n);
+            solve::solve_in_place(a, a, rows, b, Par::Seq, MemStack::new(memory));
+        };
+        match &mut self.memory[..] {
+            [memory] => part((b, memory)),
+            all => b.par_chunks_mut(n * PART).zip(all).for_each(part),
+        }
     }
 }
 

@@ -34,9 +34,9 @@ pub enum Scheme {
 
 /// A scheme on a system of matrices, for every driver.
 ///
-/// Paths are advanced one after the other; those of a block of large matrices are shared among the
-/// threads, each matrix on one of them. The bits are those of the processor, whatever the threads:
-/// faer's kernels depend on the instruction set.
+/// Paths are advanced one after the other; threads share those of a block of large matrices, and
+/// the columns of matrices larger than 64. The bits are those of the processor, whatever the
+/// threads: faer's kernels depend on the instruction set.
 pub struct OnMatrices<'a> {
     /// The system.
     pub system: Arc<dyn MatrixSystem + 'a>,

@@ -5,6 +5,7 @@ use casimir::{
         InspectSettings,
         facts::{Bath, Growth, Span, growth, span},
     },
+    schemes::BuiltIn,
     stats::Warning,
 };
 
@@ -50,7 +51,10 @@ impl Verb for Inspect {
             };
             (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
         });
-        let findings = findings.map_err(|error| scene.source.error(None, error))?;
+        let mut findings = findings.map_err(|error| scene.source.error(None, error))?;
+        // Those of schemes that run on the system.
+        let runs = |id| BuiltIn::ALL.into_iter().any(|s| s.id() == id && model.scheme(s).is_ok());
+        findings.orders.retain(|order| runs(order.scheme));
         let law = bath.as_ref().map_or(String::new(), words);
         let beta = bath.as_ref().and_then(|bath| bath.beta);
         let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));

@@ -2,6 +2,7 @@
 
 use std::{fs, path::Path};
 
+use casimir::schemes::BuiltIn;
 use serde_json::Value;
 
 use crate::common::{json, run};
@@ -87,6 +88,28 @@ fn known_answers_of_texts() {
     let qubit = found(path, "expect", QUBIT);
     assert!(near(&qubit, 0, z, 2f64.cos()) > 2.5);
     near(&qubit, 1, 1.0, 0.9);
+}
+
+/// Orders are listed of those schemes alone that run: each is tried, and so is each that is not.
+#[test]
+fn inspect_lists_the_schemes_that_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for scene in [FLUID, SPIN, QUBIT] {
+        let orders = found(path, "inspect", scene)["orders"].clone();
+        let listed = orders.as_array().unwrap().iter().map(|order| order["scheme"].as_str());
+        let mut listed: Vec<&str> = listed.map(Option::unwrap).collect();
+        listed.sort_unstable();
+        let runs = |scheme: &&str| {
+            let few = ["run", "scene.toml", "--scheme", *scheme, "--paths", "1"];
+            run(path, &few).status.success()
+        };
+        let all = BuiltIn::ALL.map(BuiltIn::id);
+        let mut able: Vec<&str> = all.into_iter().filter(runs).collect();
+        able.sort_unstable();
+        assert_eq!(listed, able);
+        assert_eq!(listed, ["em", "heun", "midpoint", "sexp-li"]);
+    }
 }
 
 #[test]

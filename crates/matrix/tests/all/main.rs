@@ -2,6 +2,7 @@
 
 mod fluids;
 mod keeping;
+mod parts;
 mod statistical;
 
 use std::sync::Arc;
