@@ -8,7 +8,7 @@ use real::{Row, elementary::exp, golden};
 use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup};
+use crate::{Coefficients, ConformalLaw, Problem, Setup, driver::all_finite};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -168,12 +168,12 @@ struct Damped<'a> {
 }
 
 impl Damped<'_> {
-    /// Factor of friction number k over a half of a step.
+    /// Factor of friction number k over a half of a step, number `half` of all.
     fn factor(&self, k: usize, step: &Step, half: u64) -> f64 {
-        let new = || step.decay(&*self.friction[k].damping, half);
+        let new = || step.decay(&*self.friction[k].damping, half % 2);
         let empty = || (step.tau, vec![OnceLock::new(); FACTORS]);
         let mut known = self.factors.iter().map(|of_size| of_size.get_or_init(empty));
-        let place = (2 * step.number() + half) as usize * self.friction.len() + k;
+        let place = half as usize * self.friction.len() + k;
         let of_size = known.find(|(tau, _)| *tau == step.tau);
         match of_size.and_then(|(_, factors)| factors.get(place)) {
             Some(factor) => *factor.get_or_init(new),
@@ -199,14 +199,20 @@ struct DampedStepper<'a> {
 }
 
 impl DampedStepper<'_> {
-    /// Multiplies the damped components by their factors over a half of a step.
+    /// Multiplies the damped components by their factors over a half of a step, number `half`.
     fn scale(&mut self, step: &Step, half: u64) {
         let state = self.inner.state_mut();
         for (k, friction) in self.of.friction.iter().enumerate() {
-            let factor = self.of.factor(k, step, half);
-            for &i in &friction.components {
-                state[i].iter_mut().for_each(|y| *y *= factor);
-            }
+            multiply(state, &friction.components, self.of.factor(k, step, half));
+        }
+    }
+}
+
+real::kernel! {
+    /// Multiplies components.
+    fn multiply(state: &'a mut [Row], components: &'a [usize], factor: f64) {
+        for &i in components {
+            state[i].iter_mut().for_each(|y| *y *= factor);
         }
     }
 }
@@ -221,9 +227,12 @@ impl Stepper for DampedStepper<'_> {
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        self.scale(step, 0);
+        let half = 2 * step.number();
+        self.scale(step, half);
         self.inner.step(step, noise, status);
-        self.scale(step, 1);
-        status.fail_where_not_finite(self.inner.state());
+        self.scale(step, half + 1);
+        if !all_finite(self.inner.state()) {
+            status.fail_where_not_finite(self.inner.state());
+        }
     }
 }
