@@ -241,7 +241,8 @@ fn neurons(i: f64) -> [(f64, f64); 2] {
 #[test]
 fn the_neuron_of_the_gallery() {
     let text = succeeds(with_scene("").path(), &["new", "neuron"]);
-    let found = json(with_scene(&text).path(), &["expect", "scene.toml", "--json"]);
+    let words = ["expect", "scene.toml", "--accuracy", "0.05", "--json"];
+    let found = json(with_scene(&text).path(), &words);
     let far = |current: f64| {
         let of = neurons(current).into_iter().enumerate().map(|(k, (exact, error))| {
             let one = |key: &str| found["estimates"][k][key].as_f64().expect("a number");
