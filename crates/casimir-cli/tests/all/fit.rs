@@ -195,6 +195,17 @@ fn wrong_data_and_parameters_are_refused_with_their_place() {
     fails(folder.path(), &["fit", "scene.toml", "data.csv"], 2, &[words]);
 }
 
+/// A sweep has a fit at each combination.
+#[test]
+fn a_sweep_is_fitted_at_each_combination() {
+    let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);
+    let found = fit(KUBO, &data, &["--of", "s", "--set", "w=1,1.01"]);
+    for (found, w) in found.as_array().unwrap().iter().zip([1.0, 1.01]) {
+        assert!(found["varied"]["w"] == w && found["parameters"][0]["name"] == "s", "{found}");
+    }
+    are(&found[0], &[0.5]);
+}
+
 /// What is stopped or killed goes on with the same data, to the same bits.
 #[cfg(unix)]
 #[test]
