@@ -70,7 +70,7 @@ fn kinds(folder: &Path, file: &str) -> String {
     assert_eq!(refused[0], refused[1], "{file}");
     let found = json(folder, &["inspect", file, "--json"]);
     let kind = |part: &Value| part.as_str().unwrap().split(" by ").next().unwrap().to_owned();
-    let kinds: Vec<String> = found["flows"].as_array().unwrap().iter().map(kind).collect();
+    let kinds: Vec<String> = found["flows"].as_array().into_iter().flatten().map(kind).collect();
     let runs = kinds.chunk_by(|one, next| one == next).map(|run| match run.len() {
         1 => run[0].clone(),
         number => format!("{number} × {}", run[0]),
