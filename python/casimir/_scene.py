@@ -434,6 +434,8 @@ class Scene:
         path_steps: float = 1e9,
         threads: int | None = None,
         progress: bool = True,
+        raises: bool = False,
+        resume: Folder = None,
         **changes: Unpack[ChangesBesideParameters],
     ) -> Fit:
         """Finds parameters from moments or samples: ``fit(frame, ["I1", "sigma"])``.
@@ -452,7 +454,7 @@ class Scene:
             "parameters": names,
             "path_steps": whole("path_steps", path_steps),
         }
-        return self._called(Fit, "fit", options, changes, how(threads, progress))
+        return self._called(Fit, "fit", options, changes, how(threads, progress, resume), raises)
 
     def _called(
         self,

@@ -38,6 +38,8 @@ def test_parameters_are_those_of_the_samples(tmp_path: Path) -> None:
     file = tmp_path / "data.csv"
     frame.to_csv(file, index=False)
     assert scene.fit(file, ["sigma"], seed=3).parameters == found.parameters
+    kept = scene.fit(data, ["sigma"], seed=3, resume=tmp_path / "kept")
+    assert kept.parameters == found.parameters and not list(tmp_path.glob("kept/*"))
     assert len(found.to_pandas()) == 16
 
 

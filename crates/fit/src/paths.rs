@@ -7,6 +7,7 @@ use mc::{Observe, RunError, Setup, View, parts::Stop};
 use noise::{Purpose, StreamKey, Truncation};
 use rayon::prelude::*;
 use real::{Row, elementary};
+use serde::{Deserialize, Serialize};
 use stats::CrossMoments;
 
 use crate::{Data, Moment, Statistic};
@@ -19,7 +20,7 @@ const INTERVALS: u64 = 4096;
 const OFF: f64 = 1e-6;
 
 /// Moments of a model over independent paths, in the order of the data.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Replicate {
     /// The moments.
     pub values: Vec<f64>,
@@ -35,7 +36,7 @@ pub struct Replicate {
 }
 
 /// Effort of an evaluation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Paths of a replicate.
     pub paths: u64,

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use expectation::short;
 use faer::{Col, Mat};
+use mc::parts::Stop;
 use stats::{CONFIDENCE, Warning, chi_square_p_value, two_sided};
 
 use crate::{
@@ -19,11 +20,13 @@ pub struct FitSettings {
     /// Paths of all evaluations, each counted as its factor of steps, after which neither paths nor
     /// steps are doubled; 2²⁴ unless set.
     pub most: u64,
+    /// Request to end: the fit is of the best parameters so far, with a warning.
+    pub stop: Stop,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { paths: 256, most: 1 << 24 }
+        Self { paths: 256, most: 1 << 24, stop: Stop::default() }
     }
 }
 
@@ -189,6 +192,7 @@ pub fn fit<E>(
     let names: Vec<String> = start.iter().map(|(name, _)| name.clone()).collect();
     let (parameters, mut to) = (start.len(), data.whitening.clone());
     let mut weighted = data.observations.is_empty();
+    let mut last = None;
     loop {
         let moments = to.map.nrows();
         if parameters > moments {
@@ -198,8 +202,15 @@ pub fn fit<E>(
             (evaluations, spent) = (evaluations + 1, spent + effort.all_paths() * effort.steps);
             point((data, &to), &names, theta, model(theta, &effort).map_err(FitError::Model)?)
         };
-        let (found, settled) = search(at(&theta)?, &mut at)?;
+        let (found, settled) = match (at(&theta), last) {
+            (Err(_), Some(fit)) if settings.stop.is_asked() => return Ok(stopped(fit)),
+            (here, _) => search(here?, &mut at, &settings.stop)?,
+        };
         let mut fit = judged(&to, &names, &found, effort);
+        fit.evaluations = evaluations;
+        if settings.stop.is_asked() {
+            return Ok(stopped(fit));
+        }
         theta = found.theta.clone();
         let unseen = unidentified(&to, &names, &found);
         let mut next = effort;
@@ -223,12 +234,12 @@ pub fn fit<E>(
             (to, weighted, again) = (own, true, true);
         }
         if again {
+            last = Some(fit);
             continue;
         }
         if let Some(error) = unseen {
             return Err(error);
         }
-        fit.evaluations = evaluations;
         let warning = |holds: bool, what: &str, remedy: &str| {
             holds.then(|| Warning::new(what).with_remedy(remedy))
         };
@@ -245,6 +256,13 @@ pub fn fit<E>(
         fit.warnings.extend(warning(next != effort, wide, "allow more path-steps"));
         return Ok(fit);
     }
+}
+
+/// A fit that was stopped.
+fn stopped(mut fit: Fit) -> Fit {
+    let warning = Warning::new("the search was stopped before its end");
+    fit.warnings.push(warning.with_remedy("go on with it"));
+    fit
 }
 
 /// Errors of samples by the covariance of the model: that of the same samples is large where their
@@ -285,7 +303,11 @@ fn point<E>(
 
 /// The method of Levenberg and Marquardt; the first trial of each step is Gauss and Newton's.
 /// Returns whether the last step was short.
-fn search<E>(mut here: Point, at: &mut At<'_, E>) -> Result<(Point, bool), FitError<E>> {
+fn search<E>(
+    mut here: Point,
+    at: &mut At<'_, E>,
+    stop: &Stop,
+) -> Result<(Point, bool), FitError<E>> {
     let mut damping = 0.0;
     for _ in 0..STEPS {
         if here.distance() < CLOSE {
@@ -298,6 +320,7 @@ fn search<E>(mut here: Point, at: &mut At<'_, E>) -> Result<(Point, bool), FitEr
                 here = found;
                 damping = if damping > DAMPING { damping / FACTOR } else { 0.0 };
             }
+            _ if stop.is_asked() => break,
             Err(error) if damping > MOST => return Err(error),
             Ok(_) if damping > MOST => break,
             _ => damping = (FACTOR * damping).max(DAMPING),

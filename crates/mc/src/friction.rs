@@ -1,6 +1,6 @@
 //! Friction on single components of the state.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
@@ -8,7 +8,7 @@ use real::{Row, elementary::exp, golden};
 use schemes::{About, Listing, Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup};
+use crate::{Coefficients, ConformalLaw, Problem, Setup, driver::all_finite};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -47,7 +47,11 @@ impl Friction {
 
     /// Puts a method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
-        if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }
+        if all.is_empty() {
+            method
+        } else {
+            Arc::new(Damped { method, friction: all, factors: Default::default() })
+        }
     }
 
     /// The formulas of the damping of all components up to `t_end`, and of friction.
@@ -150,10 +154,32 @@ fn decaying<'a>(
     Some(ConformalLaw { decay: Some(Arc::new(decay)), ..law })
 }
 
+/// Number of step sizes whose factors are known to all blocks of paths, and of these factors.
+const SIZES: usize = 8;
+const FACTORS: usize = 1 << 15;
+
 /// A method between two halves of friction.
 struct Damped<'a> {
     method: Arc<dyn Method + 'a>,
     friction: &'a [Friction],
+    /// Step sizes with the factors of the halves of their first steps, found once and not for every
+    /// block.
+    factors: [OnceLock<(f64, Vec<OnceLock<f64>>)>; SIZES],
+}
+
+impl Damped<'_> {
+    /// Factor of friction number k over a half of a step, number `half` of all.
+    fn factor(&self, k: usize, step: &Step, half: u64) -> f64 {
+        let new = || step.decay(&*self.friction[k].damping, half % 2);
+        let empty = || (step.tau, vec![OnceLock::new(); FACTORS]);
+        let mut known = self.factors.iter().map(|of_size| of_size.get_or_init(empty));
+        let place = half as usize * self.friction.len() + k;
+        let of_size = known.find(|(tau, _)| *tau == step.tau);
+        match of_size.and_then(|(_, factors)| factors.get(place)) {
+            Some(factor) => *factor.get_or_init(new),
+            None => new(),
+        }
+    }
 }
 
 impl Method for Damped<'_> {
@@ -162,25 +188,31 @@ impl Method for Damped<'_> {
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        Box::new(DampedStepper { inner: self.method.start(y), friction: self.friction })
+        Box::new(DampedStepper { inner: self.method.start(y), of: self })
     }
 }
 
 /// A stepper between two halves of friction.
 struct DampedStepper<'a> {
     inner: Box<dyn Stepper + 'a>,
-    friction: &'a [Friction],
+    of: &'a Damped<'a>,
 }
 
 impl DampedStepper<'_> {
-    /// Multiplies the damped components by their factors.
-    fn scale(&mut self, factors: impl Fn(&Friction) -> f64) {
+    /// Multiplies the damped components by their factors over a half of a step, number `half`.
+    fn scale(&mut self, step: &Step, half: u64) {
         let state = self.inner.state_mut();
-        for friction in self.friction {
-            let factor = factors(friction);
-            for &i in &friction.components {
-                state[i].iter_mut().for_each(|y| *y *= factor);
-            }
+        for (k, friction) in self.of.friction.iter().enumerate() {
+            multiply(state, &friction.components, self.of.factor(k, step, half));
+        }
+    }
+}
+
+real::kernel! {
+    /// Multiplies components.
+    fn multiply(state: &'a mut [Row], components: &'a [usize], factor: f64) {
+        for &i in components {
+            state[i].iter_mut().for_each(|y| *y *= factor);
         }
     }
 }
@@ -195,10 +227,13 @@ impl Stepper for DampedStepper<'_> {
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        self.scale(|friction| step.decay(&*friction.damping, 0));
+        let half = 2 * step.number();
+        self.scale(step, half);
         self.inner.step(step, noise, status);
-        self.scale(|friction| step.decay(&*friction.damping, 1));
-        status.fail_where_not_finite(self.inner.state());
+        self.scale(step, half + 1);
+        if !all_finite(self.inner.state()) {
+            status.fail_where_not_finite(self.inner.state());
+        }
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {

@@ -18,6 +18,7 @@ gallery! {
     "double-well"
     "langevin"
     "josephson"
+    "neuron"
     "pendulum"
     "rigid-body"
     "heavy-top"

@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf, time::Instant};
 use ::fit::{Effort, FitError, FitSettings, NearbySetup, Paths, Replicate, Statistic};
 use casimir::{
     expectation::written,
-    mc::Observe,
+    mc::{Checkpoint, Observe},
     plot::figure::{Law, Sampled, Trace, fitted, lines},
     real::elementary::{cos, sin},
     schemes::BuiltIn,
@@ -66,13 +66,19 @@ impl Default for Fit {
 
 impl Verb for Fit {
     const NAME: &'static str = "fit";
-    const STORES: Stores = Stores::Nothing;
+    const STORES: Stores = Stores::Samples("moments.bin");
+    const WRITES: bool = false;
 
     fn changes(&self) -> Changes {
         Changes { scheme: self.scheme.clone(), ..Changes::default() }
     }
 
-    fn compute(&self, scene: &Scene, _: &Store, watch: &Watch) -> Done<Found> {
+    fn meaning(&self) -> String {
+        let data = self.source().map_or(String::new(), |source| source.text);
+        format!("fit of = {}\n{data}\n", self.parameters.join(","))
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
         let begun = Instant::now();
         let known = scene.components.iter().chain(scene.observables.iter().map(|phi| &phi.name));
         let mut known: Vec<&str> = known.map(|name| &**name).collect();
@@ -85,6 +91,10 @@ impl Verb for Fit {
         let steps = 2 * intervals * coarsest_steps(data.until()).div_ceil(intervals);
         let (truncation, key) = (scene.settings.truncation, scene.settings.key);
         let (mut changes, mut scheme_of) = (None::<Vec<f64>>, None);
+        // Evaluations of the model in their order: a fit that goes on takes them again.
+        let mut kept = store.samples().map_or(Ok(None), Checkpoint::read::<Vec<Kept>>)?;
+        let kept = kept.get_or_insert_default();
+        let mut done = 0;
         let mut model = |theta: &[f64], effort: &Effort| -> Done<Vec<Replicate>> {
             let values = start.iter().zip(theta).map(|((name, _), x)| (name.clone(), *x));
             let here = scene.at(&names, &values.collect::<Vec<_>>())?;
@@ -103,22 +113,39 @@ impl Verb for Fit {
             });
             let (setup, near) = (nearby.scene.setup(id)?, near.collect::<Done<_>>()?);
             let paths = Paths::new(setup, data.until(), observed(&nearby.scene), near);
+            if let Some((at, of, found)) = kept.get(done)
+                && (&at[..], of) == (theta, effort)
+            {
+                done += 1;
+                return Ok(found.clone());
+            }
             let cost = effort.all_paths() * effort.steps * steps * 3 / 2;
             let found = watch.under("moments", cost, |told| {
                 paths.moments(&data, (steps, effort), (key, truncation), (&watch.stop, told))
             });
             watch.check()?;
-            Ok(found?)
+            let found = found?;
+            kept.truncate(done);
+            kept.push((theta.to_vec(), *effort, found.clone()));
+            done += 1;
+            if let Some(file) = store.samples().filter(|file| file.is_due()) {
+                _ = file.write(kept);
+            }
+            Ok(found)
         };
         let evaluation = (steps * 3 / 2) * (1 + start.len() as u64);
-        let settings =
-            FitSettings { most: self.path_steps.0 / evaluation, ..FitSettings::default() };
-        let found =
-            ::fit::fit(&data, &start, &settings, &mut model).map_err(|error| match error {
-                FitError::Model(failure) => failure,
-                error @ FitError::Few { .. } => Failure::Usage(error.to_string()),
-                error => Failure::Run(error.to_string()),
-            })?;
+        let (most, stop) = (self.path_steps.0 / evaluation, watch.stop.clone());
+        let settings = FitSettings { most, stop, ..FitSettings::default() };
+        let found = ::fit::fit(&data, &start, &settings, &mut model);
+        match store.samples() {
+            Some(file) if watch.stop.is_asked() => _ = file.write(kept),
+            file => file.map_or((), Checkpoint::remove),
+        }
+        let found = found.map_err(|error| match error {
+            FitError::Model(failure) => failure,
+            error @ FitError::Few { .. } => Failure::Usage(error.to_string()),
+            error => Failure::Run(error.to_string()),
+        })?;
         let (scheme, because) = scheme_of.unwrap_or_default();
         let mut text = String::new();
         for (k, (name, begin)) in start.iter().enumerate() {
@@ -169,6 +196,9 @@ impl Verb for Fit {
         Ok(Found::of(scene, found.warnings, &text, json, figures).to(good, None))
     }
 }
+
+/// An evaluation of the model that is done.
+type Kept = (Vec<f64>, Effort, Vec<Replicate>);
 
 impl Fit {
     fn source(&self) -> Done<Source> {

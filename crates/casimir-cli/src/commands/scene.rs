@@ -132,7 +132,9 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
                 return tell(found, Some(&folder), V::NAME, false);
             }
             let mut json = found.json.clone();
-            json["parameters"] = values.iter().cloned().collect();
+            // A fit has parameters of its own.
+            let key = if json["parameters"].is_null() { "parameters" } else { "varied" };
+            json[key] = values.iter().cloned().collect();
             list.borrow_mut().push(json);
             store(found, &folder, V::NAME).map(drop)
         };

@@ -1,11 +1,13 @@
 //! Parameters from data: closed forms, combinations that data do not show, wrong models and tables.
 
-use std::fs;
+use std::{fs, path::Path};
 
 use scenes::{Changes, Scene, Source};
 use serde_json::Value;
 
 use crate::common::{fails, json, run, with_scene};
+#[cfg(unix)]
+use crate::parts::signalled;
 
 /// q − ip = e^{i(wt + sW)}: E[q] = e^{−s²t/2} cos wt.
 pub const KUBO: &str = r#"
@@ -192,4 +194,44 @@ fn wrong_data_and_parameters_are_refused_with_their_place() {
     fs::write(folder.path().join("data.csv"), few).expect("a file");
     let words = "t = 1 has 2 observations, and their covariance takes 30";
     fails(folder.path(), &["fit", "scene.toml", "data.csv"], 2, &[words]);
+}
+
+/// A sweep has a fit at each combination.
+#[test]
+fn a_sweep_is_fitted_at_each_combination() {
+    let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);
+    let found = fit(KUBO, &data, &["--of", "s", "--set", "w=1,1.01"]);
+    for (found, w) in found.as_array().unwrap().iter().zip([1.0, 1.01]) {
+        assert!(found["varied"]["w"] == w && found["parameters"][0]["name"] == "s", "{found}");
+    }
+    are(&found[0], &[0.5]);
+}
+
+/// What is stopped or killed goes on with the same data, to the same bits.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_fit_goes_on() {
+    // No number of paths is enough.
+    let data =
+        table("q", 1e-5, &[("mean", &mean_q(1.0, 0.5)), ("variance", &variance_q(1.0, 0.5))]);
+    let folder = with_scene(KUBO);
+    let path = folder.path();
+    fs::write(path.join("data.csv"), &data).expect("a file");
+    let words = ["fit", "scene.toml", "data.csv", "--path-steps", "3e7", "--threads", "1"];
+    let found = |folder: &Path| {
+        let output = run(folder, &[&words[..], &["--json"]].concat());
+        let mut json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["seconds"] = Value::Null;
+        json
+    };
+    let (code, said) = signalled(path, &words, "-INT", 600);
+    assert!(code == Some(130) && said.contains("the same command goes on"), "{code:?} {said}");
+    fs::write(path.join("data.csv"), data.replacen("0.00001", "0.00002", 1)).expect("a file");
+    fails(path, &words, 1, &["is of another computation"]);
+    fs::write(path.join("data.csv"), &data).expect("a file");
+    signalled(path, &words, "-KILL", 300);
+    let other = with_scene(KUBO);
+    fs::write(other.path().join("data.csv"), &data).expect("a file");
+    assert_eq!(found(path), found(other.path()));
+    assert!(!path.join("scene-fit/moments.bin").exists());
 }

@@ -203,6 +203,57 @@ fn fitzhugh_nagumo() {
     follows(&text, &["v", "w"], &flow(f, [-1.0, 1.0], 10.0), 400);
 }
 
+/// E\[v\] and the probability of firing of the gallery's neuron with a current i, over 4000 paths by
+/// Heun's method with numbers of SplitMix64, and their standard errors.
+fn neurons(i: f64) -> [(f64, f64); 2] {
+    const PATHS: u32 = 4000;
+    let mut state = 65u64;
+    let mut uniform = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53) + 2f64.powi(-54)
+    };
+    let f = |[v, w]: [f64; 2]| [v - v.powi(3) / 3.0 - w + i, 0.08 * (v + 0.7 - 0.8 * w)];
+    let (steps, mut sums) = (2500, [[0.0; 2]; 2]);
+    let tau = 100.0 / f64::from(steps);
+    for _ in 0..PATHS {
+        let (mut y, mut fired) = ([-1.1, -0.5], 0.0);
+        for _ in 0..steps / 2 {
+            let (r, angle) = ((-2.0 * uniform().ln()).sqrt(), std::f64::consts::TAU * uniform());
+            for normal in [r * angle.cos(), r * angle.sin()] {
+                let (noise, a) = (0.1 * tau.sqrt() * normal, f(y));
+                let b = f([y[0] + tau * a[0] + noise, y[1] + tau * a[1]]);
+                y = [y[0] + 0.5 * tau * (a[0] + b[0]) + noise, y[1] + 0.5 * tau * (a[1] + b[1])];
+                fired = if y[0] > 1.0 { 1.0 } else { fired };
+            }
+        }
+        for (sum, x) in sums.iter_mut().zip([y[0], fired]) {
+            *sum = [sum[0] + x, sum[1] + x * x];
+        }
+    }
+    let n = f64::from(PATHS);
+    sums.map(|[x, xx]| (x / n, ((xx / n - (x / n).powi(2)) / n).sqrt()))
+}
+
+/// The twin has another current.
+#[test]
+fn the_neuron_of_the_gallery() {
+    let text = succeeds(with_scene("").path(), &["new", "neuron"]);
+    let words = ["expect", "scene.toml", "--accuracy", "0.05", "--json"];
+    let found = json(with_scene(&text).path(), &words);
+    let far = |current: f64| {
+        let of = neurons(current).into_iter().enumerate().map(|(k, (exact, error))| {
+            let one = |key: &str| found["estimates"][k][key].as_f64().expect("a number");
+            (one("value") - exact).abs() / one("half_width").hypot(1.96 * error)
+        });
+        of.collect::<Vec<_>>()
+    };
+    let (right, twin) = (far(0.2), far(0.15));
+    assert!(right.iter().all(|far| *far < MISSES) && twin[1] > 5.0, "{right:?} {twin:?} {found}");
+}
+
 #[test]
 fn brusselator() {
     let drift = "\"a + x^2*y - (b + 1)*x\", \"b*x - x^2*y\"";
