@@ -242,7 +242,7 @@ impl Stepper for DampedStepper<'_> {
                 let factor = step.decay(&*one.damping, half);
                 one.components.iter().map(|&i| (i, factor)).collect::<Vec<_>>()
             };
-            self.friction.iter().flat_map(of)
+            self.of.friction.iter().flat_map(of)
         };
         let mut listing = self.inner.listing(step)?;
         listing.before.splice(0..0, factors(0));
