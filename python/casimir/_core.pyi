@@ -43,6 +43,8 @@ class _How(Protocol):
     def show(self) -> Callable[[str], None] | None: ...
     @property
     def folder(self) -> str | None: ...
+    @property
+    def gpu(self) -> bool: ...
 
 class _Found(TypedDict):
     text: str
@@ -51,6 +53,7 @@ class _Found(TypedDict):
     page: str
     paths: dict[str, NDArray[np.float64]]
     statistics: dict[str, NDArray[np.float64]]
+    left: list[str]
     interrupted: bool
 
 def check(given: _Given) -> str: ...

@@ -21,15 +21,24 @@ class How(NamedTuple):
     threads: int | None
     show: Callable[[str], None] | None
     folder: str | None
+    gpu: bool = False
 
 
-def how(threads: int | None, progress: bool, folder: str | os.PathLike[str] | None = None) -> How:
-    """Threads, what shows progress, and a folder for unfinished work."""
+def how(
+    threads: int | None,
+    progress: bool,
+    folder: str | os.PathLike[str] | None = None,
+    on: str = "cpu",
+) -> How:
+    """Threads, what shows progress, a folder for unfinished work, and a machine for paths."""
+    if on not in ("cpu", "gpu"):
+        raise SceneError(f"`on` is 'cpu' or 'gpu', got {on!r}")
     if folder is not None and not isinstance(folder, (str, os.PathLike)):
         raise SceneError(f"`resume` is the name of a folder, got {type(folder).__name__}")
     if threads is not None:
         threads = min(whole("threads", threads, 1, _MOST_THREADS), _EACH * (os.cpu_count() or 1))
-    return How(threads, _shown() if progress else None, None if folder is None else os.fspath(folder))
+    to = None if folder is None else os.fspath(folder)
+    return How(threads, _shown() if progress else None, to, on == "gpu")
 
 
 def _shown() -> Callable[[str], None] | None:

@@ -10,6 +10,7 @@ import inspect
 import io
 import itertools
 import json
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
@@ -247,6 +248,7 @@ class Scene:
         progress: bool = True,
         raises: bool = False,
         resume: Folder = None,
+        on: Literal["cpu", "gpu"] = "cpu",
         **changes: Unpack[Changes],
     ) -> Run:
         """Simulates paths: tables of the first, statistics of all where they are 100 or more.
@@ -254,13 +256,17 @@ class Scene:
         Further arguments change the scene as :meth:`with_` does. Ctrl-C gives what is complete, and
         ``interrupted`` is true; with ``raises`` it raises ``KeyboardInterrupt`` instead. ``threads``
         changes the time, and no bit of the results. ``resume`` is a folder for checkpoints: the same
-        call goes on from there after a kill, to the bits of an undisturbed run.
+        call goes on from there after a kill, to the bits of an undisturbed run. ``on="gpu"`` advances
+        the paths on a graphics card of NVIDIA, to the same bits; a warning names what is not for it.
         """
         scene = self.with_(**changes) if changes else self
-        return scene._run(False, how(threads, progress, resume), raises)
+        return scene._run(False, how(threads, progress, resume, on), raises)
 
     def _run(self, independent: bool, how: How, raises: bool) -> Run:
-        return Run(self, _raising(_core.run(self, independent, how), raises), self.varied)
+        found = _core.run(self, independent, how)
+        for why in found["left"]:
+            warnings.warn(f"paths were computed on the processor: {why}", stacklevel=3)
+        return Run(self, _raising(found, raises), self.varied)
 
     @property
     def varied(self) -> dict[str, NDArray[np.float64]]:
@@ -578,11 +584,12 @@ class Sweep:
         progress: bool = True,
         raises: bool = False,
         resume: Folder = None,
+        on: Literal["cpu", "gpu"] = "cpu",
         **changes: Unpack[Changes],
     ) -> Run:
         """Runs every combination. Arrays have an axis for each parameter, before that of time."""
         scene = self._varied(dict(changes))
-        return scene._run(self.independent, how(threads, progress, resume), raises)
+        return scene._run(self.independent, how(threads, progress, resume, on), raises)
 
     def parts(self, number: int, **changes: Unpack[Changes]) -> list[Part[Run]]:
         """The run in parts, as :meth:`Scene.parts`: each has some paths of all combinations."""

@@ -40,6 +40,8 @@ pub struct Found {
     pub paths: Vec<Array>,
     /// Arrays of statistics.
     pub statistics: Vec<Array>,
+    /// Reasons why paths were left to the processor.
+    pub left: Vec<String>,
 }
 
 /// Does work on a pool of its own, so that a process that forks later has no threads that hang.
@@ -156,7 +158,8 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
         }
         Ok(arrays)
     };
-    let Found { common: verbs::Found { text, json, figures, .. }, page, paths, statistics } = found;
+    let Found { common, page, paths, statistics, left } = found;
+    let verbs::Found { text, json, figures, .. } = common;
     let figure = |one: Figure| (one.file, one.svg, one.caption, one.name);
     let figures: Vec<_> = figures.into_iter().map(figure).collect();
     result.set_item("text", text)?;
@@ -165,6 +168,7 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
     result.set_item("page", page)?;
     result.set_item("paths", arrays(paths)?)?;
     result.set_item("statistics", arrays(statistics)?)?;
+    result.set_item("left", left)?;
     Ok(result)
 }
 

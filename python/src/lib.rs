@@ -37,7 +37,8 @@ impl Given<'_> {
             states.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
         };
         let states = self.states.as_ref().map(|states| std::sync::Arc::new(rows(states)));
-        Source { name: self.name.clone(), text: self.text.clone(), states }
+        let (name, text) = (self.name.clone(), self.text.clone());
+        Source { name, text, states, device: None }
     }
 }
 
@@ -47,6 +48,7 @@ struct How {
     threads: Option<usize>,
     show: Option<Py<PyAny>>,
     folder: Option<PathBuf>,
+    gpu: bool,
 }
 
 /// What a scene has, as JSON.
@@ -124,7 +126,8 @@ fn run<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (source, changes) = (given.source(), Changes { independent, ..Changes::default() });
     watched(py, &given.text, how.threads, how.show, part.is_none(), move |watch| {
-        let sweep = Sweep::new(&source, &changes)?;
+        let device = how.gpu.then(casimir_cli::card).transpose().map_err(Failure::Run)?;
+        let sweep = Sweep::new(&Source { device: device.clone(), ..source }, &changes)?;
         let settled = match &part {
             Some((_, settled)) => serde_json::from_str(settled)?,
             None => verbs::settle(&sweep),
@@ -151,7 +154,8 @@ fn run<'py>(
         let figures = figures.into_iter().flat_map(|(_, figures)| figures).collect();
         let [paths, statistics] = arrays(&mut found);
         let common = verbs::Found { text, json, figures, unreached: None };
-        Ok(Found { common, page, paths, statistics })
+        let left = device.iter().flat_map(|device| device.refused()).collect();
+        Ok(Found { common, page, paths, statistics, left })
     })
 }
 

@@ -11,6 +11,7 @@ use clap::Parser;
 use verbs::failure::Failure;
 
 use arguments::{Arguments, Command};
+pub use commands::card;
 
 /// The program that job scripts start.
 static PROGRAM: OnceLock<PathBuf> = OnceLock::new();

@@ -71,14 +71,22 @@ fn device(on: Machine) -> Done<Option<Arc<dyn Device>>> {
     Ok(Some(Arc::clone(DEVICE.get_or_init(|| device))))
 }
 
+/// The first graphics card.
+///
+/// # Errors
+/// The reason why there is none.
 #[cfg(feature = "gpu")]
-fn card() -> Result<Arc<dyn Device>, String> {
+pub fn card() -> Result<Arc<dyn Device>, String> {
     let card = gpu::Card::first().map_err(|error| error.to_string())?;
     Ok(Arc::new(gpu::Gpu::new(card)))
 }
 
+/// No graphics card.
+///
+/// # Errors
+/// Always: the program was built without cards.
 #[cfg(not(feature = "gpu"))]
-fn card() -> Result<Arc<dyn Device>, String> {
+pub fn card() -> Result<Arc<dyn Device>, String> {
     Err("this program was built without cards: build it with `--features gpu`".into())
 }
 
