@@ -27,7 +27,7 @@ pub const PARAMETERS: [&str; 7] =
 pub const NO_SLOT: u64 = u64::MAX;
 /// Numbers before the tables of runs: √τ and √(τ/12).
 pub const HEAD: usize = 2;
-/// Numbers before the tables of runs of each run: the largest increment, and the place of the table.
+/// Numbers for each run before the tables: its largest increment, and the place of its table.
 pub const HEAD_OF_RUN: usize = 2;
 
 /// Numbers and words of the memory of a path, in their order.

@@ -100,7 +100,7 @@ pub trait March {
     fn end(self: Box<Self>) -> Result<(Vec<u64>, Vec<f64>), Failure>;
 }
 
-/// Finest steps of a launch: little enough that a watchdog and a signal wait a fraction of a second.
+/// Finest steps of a launch: few enough that a watchdog and a signal wait a fraction of a second.
 const STEPS: u64 = 1 << 11;
 
 /// A graphics card for paths.

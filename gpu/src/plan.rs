@@ -30,8 +30,8 @@ pub struct RunPlan {
     pub clips: bool,
     /// The programs that steps take in turn: one or two.
     pub programs: Vec<Code>,
-    /// Most sweeps of an implicit step and whether one more follows, with the columns of the factors
-    /// before and after.
+    /// Most sweeps of an implicit step and whether one more follows, with the columns of the
+    /// factors before and after.
     pub sweeps: Option<(u32, bool, [usize; 2])>,
     /// The columns of the factors of increments; none without.
     pub noise: Vec<usize>,

@@ -79,6 +79,11 @@ macro_rules! refuse {
     };
 }
 impl Source {
+    /// The text of a file.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { name: name.into(), text: text.into(), states: None, device: None }
+    }
+
     /// An error at a place, in bytes of the text, or about the whole scene.
     pub fn error(
         &self,

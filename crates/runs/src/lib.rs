@@ -16,7 +16,7 @@
 //! until = 1
 //! steps = 64
 //! "#;
-//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None, device: None };
+//! let source = Source::new("oscillator.toml", text);
 //! let sweep = Sweep::new(&source, &Changes::default())?;
 //! let (job, watch) = (Job::here(), Watch::new(()));
 //! let found = runs::ready(&sweep, runs::settle(&sweep))

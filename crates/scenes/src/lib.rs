@@ -21,7 +21,7 @@
 //! until = 1
 //! steps = 64
 //! "#;
-//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None, device: None };
+//! let source = Source::new("oscillator.toml", text);
 //! let scene = Scene::new(source, &Changes::default())?;
 //! let setup = scene.setup("sexp")?;
 //! let simulation = Simulation::new(setup, scene.settings.truncation);

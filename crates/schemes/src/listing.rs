@@ -5,8 +5,8 @@ use systems::run_time::Program;
 /// One step of a path as a program of the system, with its numbers.
 ///
 /// The state is multiplied by the factors `before`, goes through the program, once or until its
-/// results are a fixed point, and is multiplied by the factors `after`. Whoever does these operations
-/// in their order has the bits of [`Stepper::step`](crate::Stepper::step) on paths that do not fail.
+/// results are a fixed point, and is multiplied by the factors `after`. These operations in their
+/// order give the bits of [`Stepper::step`](crate::Stepper::step) on paths that do not fail.
 pub struct Listing<'a> {
     /// The program of the step, by its number among those that steps take in turn, and their count.
     pub program: &'a mut dyn Program,

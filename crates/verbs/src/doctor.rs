@@ -106,7 +106,7 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
 
 /// A scene of the gallery.
 fn scene(name: &str) -> Done<Scene> {
-    let text = gallery::scene(name).map_err(Failure::Usage)?.into();
-    let source = Source { name: name.into(), text, states: None, device: None };
+    let text = gallery::scene(name).map_err(Failure::Usage)?;
+    let source = Source::new(name, text);
     Ok(Scene::new(source, &Changes::default())?)
 }

@@ -208,7 +208,7 @@ impl Fit {
         };
         let text =
             text.map_err(|error| Failure::Usage(format!("cannot read the data {name}: {error}")))?;
-        Ok(Source { name, text, states: None, device: None })
+        Ok(Source::new(name, text))
     }
 
     /// The parameters with the values of the scene.

@@ -18,7 +18,7 @@
 //! of = ["q^2"]
 //! accuracy = 0.01
 //! "#;
-//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None, device: None };
+//! let source = Source::new("oscillator.toml", text);
 //! let scene = Scene::new(source, &Changes::default())?;
 //! let found = Expect::default().compute(&scene, &Store::Nothing, &Watch::new(()));
 //! let found = found.expect("an expectation");

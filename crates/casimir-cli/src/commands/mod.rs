@@ -56,7 +56,7 @@ fn source(file: &Path) -> Done<Source> {
     let name = file.display().to_string();
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
-    Ok(Source { name, text, states: None, device: None })
+    Ok(Source::new(name, text))
 }
 
 /// The machine of a command, once it is known.

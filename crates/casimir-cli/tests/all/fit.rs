@@ -43,8 +43,7 @@ steps = 64
 
 /// A scene of a text.
 pub fn scene(text: &str) -> Scene {
-    let source =
-        Source { name: "scene.toml".into(), text: text.into(), states: None, device: None };
+    let source = Source::new("scene.toml", text);
     Scene::new(source, &Changes::default()).expect("a scene")
 }
 

@@ -24,7 +24,7 @@ fn scene(sigma: f64, more: &str) -> Scene {
          [run]\ninitial = [0, 0]\nuntil = 1\nsteps = {STEPS}\n[observe]\nway = \"integral(q)\"\n\
          [events]\nout = {{ when = \"q > 0.25\", stop = true }}\nfar = \"q > 0.3\"\n{more}"
     );
-    let source = Source { name: "test".into(), text, states: None, device: None };
+    let source = Source::new("test", text);
     Scene::new(source, &Changes::default()).expect("a scene")
 }
 
