@@ -75,7 +75,7 @@ impl Registers {
     }
 }
 
-/// What a kernel holds in registers besides: addresses, and the number of the step.
+/// Registers of a launch besides: addresses, and the number of the step.
 struct Launch {
     numbers: Word,
     before: Word,

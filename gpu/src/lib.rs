@@ -5,8 +5,8 @@
 //! operations, [`Listing`](schemes::Listing)s. They become one kernel in PTX for the whole march of
 //! a path: its noise, the sums to coarser steps, sweeps of implicit equations. Operations round to
 //! nearest and are never fused, elementary functions are those of `real`, and streams those of
-//! `noise`. So states have the bits of the processor, which also computes the statistics of them and
-//! the few paths on which plain iteration finds no solution.
+//! `noise`. So states have the bits of the processor. It computes their statistics, and the few
+//! paths on which plain iteration finds no solution.
 //!
 //! The way through the crate: `plan` (a task as codes and numbers) → `kernel` (its PTX, with
 //! `number` and `ptx`) → a [`Machine`], such as the [`Card`].
@@ -32,7 +32,7 @@ use kernel::{HEAD, HEAD_OF_RUN, NO_SLOT, memory_rows};
 pub use kernel::{NAME, PARAMETERS};
 use plan::Plan;
 
-/// Why a machine does not compute.
+/// Reason why a machine does not compute.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// There is no driver or no card.
@@ -58,9 +58,9 @@ impl Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// What runs kernels: a card, or an interpreter of PTX.
+/// Machine that runs kernels: a card, or an interpreter of PTX.
 pub trait Machine: Send + Sync {
-    /// What it is, in words.
+    /// Description in words.
     fn about(&self) -> String;
 
     /// Number of paths of which fewer are sooner done on the processor.

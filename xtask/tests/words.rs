@@ -49,6 +49,7 @@ fn broken(before: &str, line: &str) -> Option<&'static str> {
 fn words_keep_to_the_rules() -> io::Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut files = Vec::new();
+    sources(&root.join("gpu/src"), &mut files)?;
     for folder in fs::read_dir(root.join("crates"))? {
         sources(&folder?.path().join("src"), &mut files)?;
     }
