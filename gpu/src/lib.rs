@@ -66,7 +66,7 @@ pub trait Machine: Send + Sync {
     /// Number of paths of which fewer are sooner done on the processor.
     fn fewest(&self) -> u64;
 
-    /// Begins a march of `paths` paths with this memory and room for so many states.
+    /// Begins a march of `paths` paths with this memory and room for `states` numbers.
     ///
     /// # Errors
     /// [`Failure`].
