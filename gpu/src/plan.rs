@@ -28,7 +28,7 @@ pub struct RunPlan {
     pub level: usize,
     /// Whether increments are clipped.
     pub clips: bool,
-    /// The programs that steps take in turn: one or two.
+    /// The programs that steps take in turn: one or two, no more than there are steps.
     pub programs: Vec<Code>,
     /// Most sweeps of an implicit step and whether one more follows, with the columns of the
     /// factors before and after.
@@ -108,7 +108,8 @@ impl<'a> Plan<'a> {
         let mut runs = Vec::new();
         for (run, stepper) in task.runs.iter().zip(&mut steppers) {
             let step = |n| (task.step)(run.level, n);
-            let plan = RunPlan::new(&mut **stepper, step).ok_or(NO_LISTING)?;
+            let steps = task.finest_steps >> run.level;
+            let plan = RunPlan::new(&mut **stepper, steps, step).ok_or(NO_LISTING)?;
             runs.push(RunPlan { level: run.level, clips: run.bound < f64::INFINITY, ..plan });
         }
         let &Task { dimension, noises, space_time, levels, .. } = task;
@@ -141,12 +142,12 @@ impl<'a> Plan<'a> {
 }
 
 impl RunPlan {
-    fn new(stepper: &mut dyn Stepper, step: impl Fn(u64) -> Step) -> Option<Self> {
+    fn new(stepper: &mut dyn Stepper, steps: u64, step: impl Fn(u64) -> Step) -> Option<Self> {
         let mut columns = Columns::default();
         let mut programs = Vec::new();
         // Steps take their programs in turn.
-        let count = stepper.listing(&step(0))?.turn.1;
-        for n in 0..count as u64 {
+        let count = stepper.listing(&step(0))?.turn.1 as u64;
+        for n in 0..count.min(steps) {
             let listing = stepper.listing(&step(n))?;
             programs.push(Code::new(program(listing.program)?, &mut columns)?);
         }

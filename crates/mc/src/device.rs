@@ -92,13 +92,10 @@ pub struct Trajectories {
 }
 
 /// Most bytes of the states of a task.
-const MAX_BYTES: usize = 1 << 28;
+const MAX_BYTES: usize = 1 << 27;
 /// Fewest and most paths of a task: of fewer the processor is sooner done.
 const MIN_PATHS: u64 = 1 << 11;
 const MAX_PATHS: u64 = 1 << 20;
-/// Most tasks whose results are kept until all of their groups are read.
-const MAX_KEPT: usize = 64;
-
 type Computed = Arc<OnceLock<Option<Trajectories>>>;
 
 /// The paths of a ladder on a device, computed ahead of the groups that read them.
@@ -149,7 +146,8 @@ impl<'a> Ahead<'a> {
         let first = all.start + (group.start - all.start) / size * size;
         let computed = {
             let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
-            while tasks.len() >= MAX_KEPT && !tasks.contains_key(&first) {
+            // Threads read groups in their order, nearly.
+            while tasks.len() > rayon::current_num_threads() && !tasks.contains_key(&first) {
                 tasks.pop_first();
             }
             Arc::clone(tasks.entry(first).or_default())

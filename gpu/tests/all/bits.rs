@@ -228,6 +228,15 @@ fn runs_on_levels_share_a_path() {
     }
 }
 
+/// A step alone takes one of the two programs of `nv`.
+#[test]
+fn a_single_step_has_the_bits_of_the_processor() {
+    let scene = scene(scenes::gallery::scene("kubo").unwrap());
+    let how = (1, &[0][..], scene.settings.truncation);
+    let compared = compare(&scene, &scene.problem(), BuiltIn::Nv, how, as_written).unwrap();
+    assert!(compared.same && compared.groups == [GROUPS, 0]);
+}
+
 #[test]
 fn what_is_not_solved_is_left_to_the_processor() {
     // Steps of 2 on a stiff well: plain iteration finds nothing, Euler's method overflows.
