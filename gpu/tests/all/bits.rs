@@ -8,8 +8,9 @@ use std::sync::{
 use gpu::Gpu;
 use mc::{Device, Initial, Ladder, Problem, Run, Statistic, Task, Trajectories, View};
 use noise::{StreamKey, Truncation};
+use nonlin::Solver;
 use scenes::{Changes, Scene, Source, gallery::GALLERY};
-use schemes::BuiltIn;
+use schemes::{BuiltIn, Method, Sexp, WithSolver};
 
 use crate::interpreter::Interpreter;
 
@@ -96,18 +97,27 @@ pub fn scene(text: &str) -> Scene {
     Scene::new(source, &Changes::default()).unwrap()
 }
 
-/// Runs on some levels on a device, whose kernels are changed before, and on the processor.
+/// Runs of a scheme of the scene, as [`compare_method`].
 fn compare(
     scene: &Scene,
     problem: &Problem<'_>,
     scheme: BuiltIn,
+    how: (u64, &[usize], Truncation),
+    change: fn(&str) -> String,
+) -> Option<Compared> {
+    compare_method(&scene.model.scheme(scheme).ok()?, problem, how, change)
+}
+
+/// Runs on some levels on a device, whose kernels are changed before, and on the processor.
+fn compare_method<'a>(
+    method: &Arc<dyn Method + 'a>,
+    problem: &Problem<'a>,
     (steps, levels, truncation): (u64, &[usize], Truncation),
     change: fn(&str) -> String,
 ) -> Option<Compared> {
-    scene.model.scheme(scheme).ok()?;
     let key = StreamKey { seed: 7, experiment: 0 };
-    let measured = |device| {
-        let run = |&level: &usize| Run::new(scene.model.scheme(scheme).unwrap(), level);
+    let measured = |device: Option<&dyn Device>| {
+        let run = |&level: &usize| Run::new(Arc::clone(method), level);
         let problem = Problem { device, ..problem.clone() };
         let most = levels.iter().max().copied().unwrap_or(0);
         let runs = levels.iter().map(run).collect();
@@ -228,6 +238,17 @@ fn runs_on_levels_share_a_path() {
     }
 }
 
+#[test]
+fn one_more_sweep_settles_a_solution() {
+    let scene = scene(scenes::gallery::scene("double-well").unwrap());
+    let settled = WithSolver { formula: Sexp, solver: Solver::default().settled() };
+    let method = mc::bind_at_run_time(scene.model.system(), Box::new(settled)).unwrap();
+    let how = (8, &[0][..], scene.settings.truncation);
+    let problem = Problem { t_end: 0.5, ..scene.problem() };
+    let compared = compare_method(&method, &problem, how, as_written).unwrap();
+    assert!(compared.same && compared.groups == [GROUPS, 0]);
+}
+
 /// A step alone takes one of the two programs of `nv`.
 #[test]
 fn a_single_step_has_the_bits_of_the_processor() {
@@ -256,6 +277,12 @@ fn what_is_not_solved_is_left_to_the_processor() {
     let scene = self::scene(root);
     let compared = compare(&scene, &scene.problem(), BuiltIn::Heun, how, as_written).unwrap();
     assert!(compared.same && compared.failed > 0 && compared.groups[1] > 0);
+    // A finite state that is outside of it at the end.
+    let scene = self::scene(&root.replace("-sqrt(x)", "-2 - 0*sqrt(x)").replace("= 20", "= 1"));
+    let how = (1, &[0][..], Truncation::none());
+    let compared =
+        compare(&scene, &scene.problem(), BuiltIn::EulerMaruyama, how, as_written).unwrap();
+    assert!(compared.same && compared.failed > 0 && compared.groups[1] > 0);
 }
 
 #[test]
@@ -266,6 +293,7 @@ fn functions_of_extreme_numbers_have_the_same_bits() {
         "tan(x)",
         "exp(-abs(x))",
         "ln(abs(x) + 1e-320)",
+        "exp(ln(abs(x)) - 700)",
         "sqrt(abs(x))",
         "tanh(x)",
         "sinh(min(abs(x), 700))",

@@ -59,11 +59,13 @@ fn what_is_kept_is_of_one_scene() {
     for ((arguments, file), (old, new, words)) in verbs.into_iter().zip(edits) {
         let folder = with_scene(WELL);
         let path = folder.path();
-        // On one thread there is work left after 200 ms.
+        // On one thread there is work left after 200 ms, and a busy machine may have done none.
         let alone = [arguments, &["--threads", "1"]].concat();
         let file = path.join(format!("scene-{file}"));
-        let (code, said) = signalled(path, &alone, "-INT", 200);
-        assert!(code == Some(130) && said.contains("goes on"), "{arguments:?} {code:?}: {said}");
+        let mut stopped =
+            [200, 400, 800].into_iter().map(|wait| signalled(path, &alone, "-INT", wait));
+        let (code, said) = stopped.find(|(_, said)| said.contains("goes on")).unwrap_or_default();
+        assert_eq!(code, Some(130), "{arguments:?}: {said}");
         let kept = fs::read(&file).unwrap();
         fs::write(path.join("scene.toml"), WELL.replacen(old, new, 1)).unwrap();
         fails(path, arguments, 1, &["is of another computation", words]);
