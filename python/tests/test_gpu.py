@@ -4,10 +4,10 @@ import casimir
 import pytest
 
 
-def test_without_a_card_the_reason_is_named():
+def test_without_a_card_the_reason_is_named() -> None:
     scene = casimir.scene("kubo")
     with pytest.raises(casimir.SceneError, match="'cpu' or 'gpu', got 'tpu'"):
-        scene.run(on="tpu")
+        scene.run(on="tpu")  # type: ignore[arg-type]
     try:
         run = scene.run(on="gpu", paths=128, steps=10)
     except casimir.RunError as error:
