@@ -148,7 +148,8 @@ def test_signatures_have_all_keys_of_scenes(oscillator: casimir.Scene) -> None:
         assert {*keys, *tables} <= inspect.signature(method).parameters.keys(), method
     for verb, options in OPTIONS.items():
         signature = inspect.signature(getattr(casimir.Scene, verb))
-        own = signature.parameters.keys() - {*keys, *tables, "self"} - HowArguments.__annotations__.keys()
+        how = {"self", "on", *HowArguments.__annotations__.keys()}
+        own = signature.parameters.keys() - {*keys, *tables, *how}
         assert own == options - {"accuracy"}
     # Mypy refuses them, too: an ignore that is not needed is an error.
     wrong: list[Any] = [
