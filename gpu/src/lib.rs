@@ -1,6 +1,6 @@
 //! **Paths on a graphics card, with the bits of the processor.**
 //!
-//! [`Gpu`] is an [`mc::Device`]: a ladder, a study or an expectation whose problem has one advances
+//! [`Gpu`] is a [`Device`]: a ladder, a study or an expectation whose problem has one advances
 //! its paths there where it can. The steps of a scheme on a system of formulas are lists of
 //! operations, [`Listing`](schemes::Listing)s. They become one kernel in PTX for the whole march of
 //! a path: its noise, the sums to coarser steps, sweeps of implicit equations. Operations round to
@@ -23,9 +23,9 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use mc::{Device, Task, Trajectories};
 use noise::{Purpose, StreamKey};
 use real::WIDTH;
+use schemes::{Device, Task, Trajectories};
 
 pub use card::Card;
 use kernel::{HEAD, HEAD_OF_RUN, NO_SLOT, memory_rows};
@@ -136,7 +136,7 @@ impl<M: Machine> Gpu<M> {
         let whole = 1 << task.levels;
         let (mut before, most) = (0, STEPS.max(whole) / whole * whole);
         while before < task.finest_steps {
-            if task.stop.is_asked() {
+            if (task.stopped)() {
                 return Ok(None);
             }
             let steps = most.min(task.finest_steps - before);

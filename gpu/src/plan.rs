@@ -5,9 +5,8 @@ use std::any::Any;
 
 use expression::Instruction;
 use formula::FormulaProgram;
-use mc::Task;
 use real::WIDTH;
-use schemes::{Listing, Step, Stepper};
+use schemes::{Listing, Step, Stepper, Task};
 use systems::run_time::Program;
 
 /// A program of a step: instructions, and where their numbers are.

@@ -4,7 +4,7 @@ use std::{fmt::Display, ops::Range, sync::Arc};
 
 use casimir::{
     formula::{Formula, FormulaError, Names, excerpt},
-    mc::Device,
+    schemes::Device,
 };
 
 use super::values::{At, Text};

@@ -1,95 +1,20 @@
-//! Machines beside the processor that advance many paths at once.
+//! Paths that a machine beside the processor has advanced.
 
 use std::{
     collections::BTreeMap,
-    fmt::Debug,
     ops::Range,
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use noise::StreamKey;
 use nonlin::BlockStatus;
 use real::{Block, PathMask, Row, Rows, WIDTH};
-use schemes::{Method, Step, Stepper};
+use schemes::{Device, Step, Stepper, Task, TaskRun, Trajectories};
 
 use crate::{
     View,
     driver::{Driver, GROUP_PATHS, Tally},
     parts::Stop,
 };
-
-/// A machine that advances many paths at once, with the bits of this processor.
-///
-/// A step is known to it as a [`Listing`](schemes::Listing). What it does not compute, and paths on
-/// which a step has no solution by plain iteration, are left to the processor.
-pub trait Device: Debug + Send + Sync {
-    /// The states of paths at some times; none if the machine cannot, of which it keeps the reason.
-    fn advance(&self, task: &Task<'_>) -> Option<Trajectories>;
-
-    /// Number of paths of which fewer are sooner done on the processor.
-    fn fewest(&self) -> u64 {
-        MIN_PATHS
-    }
-
-    /// Keeps the reason why paths are not computed on the machine.
-    fn refuse(&self, why: &str);
-
-    /// The reasons that were kept, each once.
-    fn refused(&self) -> Vec<String>;
-}
-
-/// Paths to be advanced.
-pub struct Task<'a> {
-    /// The runs: schemes on levels, each on the same noise.
-    pub runs: Vec<TaskRun<'a>>,
-    /// Number of components, and of noises.
-    pub dimension: usize,
-    /// Number of noises.
-    pub noises: usize,
-    /// Whether space-time areas are drawn beside increments.
-    pub space_time: bool,
-    /// Number of finest steps, and of levels above them.
-    pub finest_steps: u64,
-    /// Number of levels above the finest.
-    pub levels: usize,
-    /// Size of the finest step.
-    pub tau: f64,
-    /// The streams of the increments.
-    pub key: StreamKey,
-    /// The paths: whole blocks of 32.
-    pub paths: Range<u64>,
-    /// The coarsest steps after which states are wanted, in their order.
-    pub times: Vec<u64>,
-    /// States of 32 paths of a run at time 0, from the number of the run and the first path.
-    pub start: &'a (dyn Fn(usize, u64) -> Vec<Row> + Sync),
-    /// Step number n of a level.
-    pub step: &'a (dyn Fn(usize, u64) -> Step + Sync),
-    /// Whether to end early.
-    pub stop: &'a Stop,
-}
-
-/// A run of a task.
-pub struct TaskRun<'a> {
-    /// The scheme on the system.
-    pub method: &'a dyn Method,
-    /// The level of its steps.
-    pub level: usize,
-    /// The largest increment, if they are clipped.
-    pub bound: f64,
-}
-
-/// States of paths at some times.
-pub struct Trajectories {
-    /// The paths: whole blocks of 32.
-    pub paths: Range<u64>,
-    /// Time by time, of each run the components and the number of clipped increments so far; a
-    /// number for each path.
-    pub values: Vec<f64>,
-    /// Numbers of clipped increments at the end, run by run.
-    pub clipped: Vec<f64>,
-    /// Whether all steps of a path were computed, and all of its states are finite.
-    pub solved: Vec<bool>,
-}
 
 /// Most bytes of the states of a task.
 const MAX_BYTES: usize = 1 << 27;
@@ -105,27 +30,19 @@ pub struct Ahead<'a> {
     tasks: Mutex<BTreeMap<u64, Computed>>,
 }
 
-/// A group of paths, and the paths that are wanted after it.
-pub struct Wanted<'a> {
-    /// The group and the paths from its first one on, as numbers.
-    pub group: Range<u64>,
-    /// All paths of which the group is one.
-    pub all: Range<u64>,
-    /// Whether a statistic reads the states after a coarsest step.
-    pub reads: &'a dyn Fn(u64) -> bool,
-}
-
 impl<'a> Ahead<'a> {
     /// The paths of a ladder whose noise is drawn, and whose runs are not swapped.
     pub fn new(device: &'a dyn Device) -> Self {
         Self { device, tasks: Mutex::default() }
     }
 
-    /// Shows the states of a group as the driver does; none if the driver has to compute it.
+    /// Shows the states of a group, of all paths that are wanted, at times that are read, as the
+    /// driver does; none if the driver has to compute it.
     pub fn march(
         &self,
         driver: &Driver<'_>,
-        Wanted { group, all, reads }: Wanted<'_>,
+        (group, all): (Range<u64>, Range<u64>),
+        reads: &dyn Fn(u64) -> bool,
         observe: &mut dyn FnMut(&View<'_>),
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
@@ -158,9 +75,6 @@ impl<'a> Ahead<'a> {
             return Some(Err(driver.tally()));
         }
         let found = found.as_ref().filter(|found| group.end <= found.paths.end)?;
-        if group.end == paths.end {
-            self.tasks.lock().unwrap_or_else(PoisonError::into_inner).remove(&first);
-        }
         let tally = show(found, driver, group.clone(), &times, observe)?;
         progress(driver.steps_per_path() * (group.end - group.start));
         Some(Ok(tally))
@@ -196,7 +110,7 @@ impl<'a> Ahead<'a> {
             times: times.to_vec(),
             start: &*driver.start,
             step: &|level, n| driver.step(level, n),
-            stop,
+            stopped: &|| stop.is_asked(),
         })
     }
 }
@@ -214,7 +128,7 @@ impl Stepper for Shown {
     }
 
     fn step(&mut self, _: &Step, _: &noise::StepNoise, _: &mut BlockStatus) {
-        unreachable!("states that a device has computed are shown, and take no step")
+        unreachable!("states that are shown take no step")
     }
 }
 

@@ -12,7 +12,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
-    device::{Ahead, Wanted},
+    device::Ahead,
     driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
@@ -239,7 +239,7 @@ impl<'a> Ladder<'a> {
         let ahead = problem.device.filter(|device| {
             let fits = !with_areas && !runs.iter().any(|run| run.swapped);
             if !fits {
-                device.refuse("schemes with Levy areas, and antithetic paths, are not for it");
+                device.refuse("it takes no Levy areas and no antithetic paths");
             }
             fits
         });
@@ -285,7 +285,7 @@ impl<'a> Ladder<'a> {
     /// Leaves the paths to the processor.
     fn leave_device(&mut self) {
         if let Some(ahead) = self.ahead.take() {
-            ahead.device.refuse("its noise is made on the processor, as points of Sobol are");
+            ahead.device.refuse("its noise is made here, as points of Sobol are");
         }
     }
 
@@ -496,11 +496,11 @@ impl<'a> Ladder<'a> {
         let mut statistic = new();
         if let Some(ahead) = &self.ahead {
             let (reader, group) = (new(), start..start + paths);
-            let wanted = Wanted { group, all, reads: &|time| reader.reads(time) };
+            let (reads, progress) = (|time| reader.reads(time), &*self.progress);
             let mut observe = |view: &View<'_>| statistic.observe(view);
-            if let Some(tally) =
-                ahead.march(&self.driver, wanted, &mut observe, &*self.progress, stop)
-            {
+            let shown =
+                ahead.march(&self.driver, (group, all), &reads, &mut observe, progress, stop);
+            if let Some(tally) = shown {
                 return (statistic, tally);
             }
         }

@@ -82,7 +82,6 @@ mod tree;
 pub use along::{Along, Gradient, OfStates, Passage};
 pub use checkpoint::Checkpoint;
 pub use damping_resolution::DampingResolution;
-pub use device::{Device, Task, TaskRun, Trajectories};
 pub use drive::DriveResolution;
 pub use driver::{GROUP_PATHS, NextNoise, NoiseSource, drawn};
 pub use error::{Cause, LadderError, PathFailure, RunError};

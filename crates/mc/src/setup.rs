@@ -5,13 +5,13 @@ use std::{ops::Deref, sync::Arc};
 use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
 use real::{Block, Row, elementary::exp, exactly};
-use schemes::{About, Method, Scheme, Step, Stepper};
+use schemes::{About, Device, Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
     vector_field,
 };
 
-use crate::{Device, Friction, observable::splat};
+use crate::{Friction, observable::splat};
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],

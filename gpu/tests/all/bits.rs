@@ -6,11 +6,11 @@ use std::sync::{
 };
 
 use gpu::Gpu;
-use mc::{Device, Initial, Ladder, Problem, Run, Statistic, Task, Trajectories, View};
+use mc::{Initial, Ladder, Problem, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use scenes::{Changes, Scene, Source, gallery::GALLERY};
-use schemes::{BuiltIn, Method, Sexp, WithSolver};
+use schemes::{BuiltIn, Device, Method, Sexp, Task, Trajectories, WithSolver};
 
 use crate::interpreter::Interpreter;
 

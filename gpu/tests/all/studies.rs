@@ -2,10 +2,10 @@
 
 use gpu::Gpu;
 use mc::{
-    Device, Problem, Setup,
+    Problem, Setup,
     parts::{Job, Program, Share},
 };
-use schemes::BuiltIn;
+use schemes::{BuiltIn, Device};
 use study::{Study, StudySettings};
 
 use crate::{bits::scene, interpreter::Interpreter};

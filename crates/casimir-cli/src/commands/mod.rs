@@ -14,9 +14,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use casimir::mc::{
-    Device, files,
-    parts::{Job, Program, Share, Stop, limit_threads},
+use casimir::{
+    mc::{
+        files,
+        parts::{Job, Program, Share, Stop, limit_threads},
+    },
+    schemes::Device,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use scenes::{SceneError, Source};
