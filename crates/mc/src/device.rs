@@ -48,7 +48,6 @@ impl<'a> Ahead<'a> {
         stop: &Stop,
     ) -> Option<Result<Tally, Tally>> {
         if all.end - all.start < self.device.fewest() {
-            self.device.refuse("few paths are sooner done on the processor");
             return None;
         }
         let times: Vec<u64> =

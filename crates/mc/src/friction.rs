@@ -237,12 +237,14 @@ impl Stepper for DampedStepper<'_> {
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
+        let (of, first) = (self.of, 2 * step.number());
         let factors = |half| {
-            let of = move |one: &Friction| {
-                let factor = step.decay(&*one.damping, half);
-                one.components.iter().map(|&i| (i, factor)).collect::<Vec<_>>()
-            };
-            self.of.friction.iter().flat_map(of)
+            let components = of
+                .friction
+                .iter()
+                .enumerate()
+                .flat_map(|(k, one)| one.components.iter().map(move |&i| (i, k)));
+            components.map(move |(i, k)| (i, of.factor(k, step, first + half)))
         };
         let mut listing = self.inner.listing(step)?;
         listing.before.splice(0..0, factors(0));

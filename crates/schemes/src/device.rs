@@ -29,13 +29,13 @@ pub trait Device: Debug + Send + Sync {
 pub struct Task<'a> {
     /// The runs: schemes on levels, each on the same noise.
     pub runs: Vec<TaskRun<'a>>,
-    /// Number of components, and of noises.
+    /// Number of components.
     pub dimension: usize,
     /// Number of noises.
     pub noises: usize,
     /// Whether space-time areas are drawn beside increments.
     pub space_time: bool,
-    /// Number of finest steps, and of levels above them.
+    /// Number of finest steps.
     pub finest_steps: u64,
     /// Number of levels above the finest.
     pub levels: usize,
@@ -61,7 +61,7 @@ pub struct TaskRun<'a> {
     pub method: &'a dyn Method,
     /// The level of its steps.
     pub level: usize,
-    /// The largest increment, if they are clipped.
+    /// The largest increment, in √time; infinite if increments are not clipped.
     pub bound: f64,
 }
 

@@ -8,9 +8,9 @@ use systems::run_time::Program;
 /// results are a fixed point, and is multiplied by the factors `after`. These operations in their
 /// order give the bits of [`Stepper::step`](crate::Stepper::step) on paths that do not fail.
 pub struct Listing<'a> {
-    /// The program of the step, by its number among those that steps take in turn, and their count.
+    /// The program of the step.
     pub program: &'a mut dyn Program,
-    /// Number of the program, and how many there are.
+    /// Number of the program among those that steps take in turn, and how many these are.
     pub turn: (usize, usize),
     /// A number for every operation of the program.
     pub factors: &'a [f64],

@@ -113,6 +113,9 @@ impl<'a> Study<'a> {
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(Purpose::Paths)?;
+        if let Some(device) = setup.problem.device.filter(|one| settings.paths < one.fewest()) {
+            device.refuse("few paths are sooner done there");
+        }
         let wanted = settings.wanted.clone();
         Ok(Self { ladder, observables, wanted, record, grids })
     }

@@ -125,7 +125,7 @@ fn compare_method<'a>(
         let measured = ladder.run(PATHS, Seen::default);
         Some((measured.statistic, measured.failed, measured.clipped))
     };
-    let gpu = Gpu::new(Interpreter { change });
+    let gpu = Gpu::new(Interpreter { change, fewest: 0 });
     let counted = Counted { gpu, groups: Default::default(), ptx: Mutex::default() };
     let (found, wanted) = (measured(Some(&counted))?, measured(None)?);
     Some(Compared {

@@ -26,10 +26,15 @@ fn table(job: &Job, device: Option<&dyn Device>) -> Option<String> {
 
 #[test]
 fn tables_of_studies_and_merged_parts_are_those_of_the_processor() {
-    let gpu = Gpu::new(Interpreter { change: str::to_string });
+    // The pilot has fewer paths, of which nothing is said.
+    let of = |fewest| Gpu::new(Interpreter { change: str::to_string, fewest });
+    let (gpu, large) = (of(1100), of(1101));
     let wanted = table(&Job::here(), None).unwrap();
     assert_eq!(table(&Job::here(), Some(&gpu)).unwrap(), wanted);
     assert!(gpu.refused().is_empty(), "{:?}", gpu.refused());
+    assert_eq!(table(&Job::here(), Some(&large)).unwrap(), wanted);
+    assert_eq!(large.refused(), ["few paths are sooner done there"]);
+    let gpu = of(0);
 
     let (folder, program) = (tempfile::tempdir().unwrap(), || Program::default());
     for part in 1..=3 {
