@@ -216,15 +216,17 @@ fn an_interrupted_fit_goes_on() {
     let folder = with_scene(KUBO);
     let path = folder.path();
     fs::write(path.join("data.csv"), &data).expect("a file");
-    let words = ["fit", "scene.toml", "data.csv", "--path-steps", "3e7", "--threads", "1"];
+    let words = ["fit", "scene.toml", "data.csv", "--path-steps", "1e8", "--threads", "1"];
     let found = |folder: &Path| {
         let output = run(folder, &[&words[..], &["--json"]].concat());
         let mut json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         json["seconds"] = Value::Null;
         json
     };
-    let (code, said) = signalled(path, &words, "-INT", 600);
-    assert!(code == Some(130) && said.contains("the same command goes on"), "{code:?} {said}");
+    // There is work left after 200 ms, and a busy machine may have done none.
+    let mut stopped = [200, 400, 800].into_iter().map(|wait| signalled(path, &words, "-INT", wait));
+    let (code, _) = stopped.find(|(_, said)| said.contains("goes on")).unwrap_or_default();
+    assert_eq!(code, Some(130));
     fs::write(path.join("data.csv"), data.replacen("0.00001", "0.00002", 1)).expect("a file");
     fails(path, &words, 1, &["is of another computation"]);
     fs::write(path.join("data.csv"), &data).expect("a file");
