@@ -10,6 +10,7 @@
 
 use expression::{OUT, SCRATCH};
 use real::Real;
+use schemes::Sweeps;
 
 use crate::{
     number::normal_pair,
@@ -289,7 +290,7 @@ fn clip(dw: Number, bound: Number, count: Word) -> Number {
     clipped
 }
 
-/// A step by a program: once, or until it has a fixed point.
+/// A step by a program: once, or sweep after sweep until it has a fixed point.
 fn advance(
     run: &RunPlan,
     code: &Code,
@@ -308,29 +309,35 @@ fn advance(
     let first = numbers[first];
     let start: Vec<Number> = y.iter().map(|&y| y * first).collect();
     let z: Vec<Number> = start.iter().map(|start| start.copied()).collect();
-    let sweep = || evaluate(code, numbers, &[&start, &z], noise);
-    let (again, found) = (Label::new(), Label::new());
-    let count = Word::new();
-    count.set(0u64);
+    let [change, before] = [(); 2].map(|()| Number::Constant(0).copied());
+    let [again, evaluation, found, solved] = [(); 4].map(|()| Label::new());
+    let [sweeps, evaluations, last] = [(); 3].map(|()| Word::new());
+    [sweeps, last].iter().for_each(|count| count.set(0u64));
+    let sum = |of: &dyn Fn(usize) -> Number| {
+        (0..z.len()).fold(Number::from(0.0), |sum, i| sum + of(i).size())
+    };
     again.here();
-    let iterates = sweep();
-    let d = y.len();
-    let [one, two, three] = [0, 1, 2].map(|k| &iterates[k * d..(k + 1) * d]);
-    let sum =
-        |of: &dyn Fn(usize) -> Number| (0..d).fold(Number::from(0.0), |sum, i| sum + of(i).size());
-    let change = sum(&|i| three[i] - two[i]);
-    let before = sum(&|i| two[i] - one[i]);
-    let size = sum(&|i| three[i]);
-    set(&z, three);
-    excess(change, before, size).is("le", 0.0).jump(found);
-    count.set(count.plus(1u64));
-    count.is("lt", u64::from(most)).jump(again);
+    evaluations.set(0u64);
+    evaluation.here();
+    let next = evaluate(code, numbers, &[&start, &z], noise);
+    before.set(change);
+    change.set(sum(&|i| next[i] - z[i]));
+    set(&z, &next);
+    evaluations.set(evaluations.plus(1u64));
+    evaluations.is("lt", Sweeps::EVALUATIONS as u64).jump(evaluation);
+    if settle {
+        last.is("ne", 0u64).jump(solved);
+    }
+    excess(change, before, sum(&|i| z[i])).is("le", 0.0).jump(found);
+    sweeps.set(sweeps.plus(1u64));
+    sweeps.is("lt", u64::from(most)).jump(again);
     failed.jump();
     found.here();
     if settle {
-        let iterates = sweep();
-        set(&z, &iterates[2 * d..]);
+        last.set(1u64);
+        again.jump();
     }
+    solved.here();
     let second = numbers[second];
     z.iter().zip(result).for_each(|(&z, result)| result.set(z * second));
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
-use real::{Real, coefficients::*};
+use real::{Real, coefficients::*, sinh_cosh};
 
 use crate::ptx::{Number, Word};
 
@@ -20,51 +20,23 @@ impl Real for Number {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        let x = Self::select(self.size().is("le", SIN_COS_LIMIT), self, self * 0.0);
-        let t = x * FRAC_2_PI + ROUND;
-        let k = t - ROUND;
-        let a = x - k * HALF_PI_1;
-        let w = k * HALF_PI_2;
-        let b = a - w;
-        let e = w - (a - b);
-        let w = k * HALF_PI_3;
-        let r = b - w;
-        let e = (e + (w - (b - r))) + k * HALF_PI_4;
-        let z = r * r;
-        let s = r - (e - r * (z * polynomial(&SIN, z)));
-        let c = Self::one() - (z * 0.5 - (z * z * polynomial(&COS, z) + r * e));
-        turn(t.bits(), s, c)
+        self.through("sin_cos", sin_cos).into()
     }
 
     fn exp(self) -> Self {
-        const BIASED: f64 = ROUND + 2046.0;
-        let x = Self::select(self.is("gt", 710.0), 710.0, self);
-        let x = Self::select(x.is("lt", -746.0), -746.0, x);
-        let t = x * LOG2_E + BIASED;
-        let half = t.bits() >> 1;
-        let rest = t.bits().minus(half);
-        let k = t - BIASED;
-        let [one, other] = [half, rest].map(|power| (power << 52).number());
-        let r = (x - k * LN_2_1) - k * LN_2_2;
-        let p = Self::one() + (r + r * r * polynomial(&EXP, r));
-        (p * one) * other
+        self.through("exp", exp)[0]
     }
 
     fn ln(self) -> Self {
-        const TWO_54: f64 = 18_014_398_509_481_984.0;
-        let subnormal = self.is("lt", f64::MIN_POSITIVE);
-        let scale = Self::select(subnormal, TWO_54, 1.0);
-        let shift = Self::select(subnormal, 54.0, 0.0);
-        let (e, f) = exponent_fraction(self * scale);
-        let e = e - shift;
-        let s = f / (f + 2.0);
-        let z = s * s;
-        let h = f * f * 0.5;
-        let tail = h - (s * (h + z * polynomial(&LN, z)) + e * LN_2_2);
-        let y = e * LN_2_1 - (tail - f);
-        let y = Self::select(self.is("lt", f64::INFINITY), y, self);
-        let y = Self::select(self.is("gt", 0.0), y, self * f64::NAN);
-        Self::select(self.is("eq", 0.0), f64::NEG_INFINITY, y)
+        self.through("ln", ln)[0]
+    }
+
+    fn sinh(self) -> Self {
+        self.through("sinh_cosh", hyperbolic)[0]
+    }
+
+    fn cosh(self) -> Self {
+        self.through("sinh_cosh", hyperbolic)[1]
     }
 
     fn sqrt(self) -> Self {
@@ -89,6 +61,62 @@ impl Real for Number {
     }
 }
 
+/// Sine and cosine.
+fn sin_cos(of: Number) -> [Number; 2] {
+    let x = Number::select(of.size().is("le", SIN_COS_LIMIT), of, of * 0.0);
+    let t = x * FRAC_2_PI + ROUND;
+    let k = t - ROUND;
+    let a = x - k * HALF_PI_1;
+    let w = k * HALF_PI_2;
+    let b = a - w;
+    let e = w - (a - b);
+    let w = k * HALF_PI_3;
+    let r = b - w;
+    let e = (e + (w - (b - r))) + k * HALF_PI_4;
+    let z = r * r;
+    let s = r - (e - r * (z * polynomial(&SIN, z)));
+    let c = Number::one() - (z * 0.5 - (z * z * polynomial(&COS, z) + r * e));
+    turn(t.bits(), s, c)
+}
+
+/// Exponential.
+fn exp(of: Number) -> [Number; 1] {
+    const BIASED: f64 = ROUND + 2046.0;
+    let x = Number::select(of.is("gt", 710.0), 710.0, of);
+    let x = Number::select(x.is("lt", -746.0), -746.0, x);
+    let t = x * LOG2_E + BIASED;
+    let half = t.bits() >> 1;
+    let rest = t.bits().minus(half);
+    let k = t - BIASED;
+    let [one, other] = [half, rest].map(|power| (power << 52).number());
+    let r = (x - k * LN_2_1) - k * LN_2_2;
+    let p = Number::one() + (r + r * r * polynomial(&EXP, r));
+    [(p * one) * other]
+}
+
+/// Logarithm.
+fn ln(of: Number) -> [Number; 1] {
+    const TWO_54: f64 = 18_014_398_509_481_984.0;
+    let subnormal = of.is("lt", f64::MIN_POSITIVE);
+    let scale = Number::select(subnormal, TWO_54, 1.0);
+    let shift = Number::select(subnormal, 54.0, 0.0);
+    let (e, f) = exponent_fraction(of * scale);
+    let e = e - shift;
+    let s = f / (f + 2.0);
+    let z = s * s;
+    let h = f * f * 0.5;
+    let tail = h - (s * (h + z * polynomial(&LN, z)) + e * LN_2_2);
+    let y = e * LN_2_1 - (tail - f);
+    let y = Number::select(of.is("lt", f64::INFINITY), y, of);
+    let y = Number::select(of.is("gt", 0.0), y, of * f64::NAN);
+    [Number::select(of.is("eq", 0.0), f64::NEG_INFINITY, y)]
+}
+
+/// Hyperbolic sine and cosine.
+fn hyperbolic(of: Number) -> [Number; 2] {
+    sinh_cosh(of, of.abs()).into()
+}
+
 /// c₀ + c₁z + …, even and odd powers by Horner's scheme in z².
 fn polynomial(c: &[f64], z: Number) -> Number {
     let (w, n) = (z * z, c.len());
@@ -103,12 +131,12 @@ fn polynomial(c: &[f64], z: Number) -> Number {
 }
 
 /// (sine, cosine) of a reduced angle plus quarter turns.
-fn turn(quarters: Word, s: Number, c: Number) -> (Number, Number) {
+fn turn(quarters: Word, s: Number, c: Number) -> [Number; 2] {
     let even = (quarters & 1).is("eq", 0);
     let (s, c) = (Number::select(even, s, c), Number::select(even, c, s));
     let sin_sign = (quarters << 62) & SIGN;
     let cos_sign = sin_sign ^ (quarters << 63);
-    ((s.bits() ^ sin_sign).number(), (c.bits() ^ cos_sign).number())
+    [(s.bits() ^ sin_sign).number(), (c.bits() ^ cos_sign).number()]
 }
 
 /// (e, f) with x = 2ᵉ(1 + f) and √½ ≤ 1 + f < √2, for a normal x > 0.

@@ -44,6 +44,9 @@ struct Text {
     words: u32,
     conditions: u32,
     labels: u32,
+    /// Whether functions are called, and not written where they are needed.
+    calls: bool,
+    functions: Vec<(&'static str, String)>,
 }
 
 thread_local! {
@@ -62,22 +65,43 @@ pub fn line(text: impl Display) {
     });
 }
 
-/// The kernel `name` with 64-bit parameters, whose lines `body` writes.
-pub fn kernel(name: &str, parameters: &[&str], body: impl FnOnce()) -> String {
-    with(|text| *text = Text::default());
-    body();
-    let Text { lines, numbers, words, conditions, .. } = with(std::mem::take);
+/// The kernel `name` with 64-bit parameters, whose lines `body` writes. Functions are written where
+/// they are needed; in a kernel of many lines, which would take seconds to compile, they are called.
+pub fn kernel(name: &str, parameters: &[&str], body: impl Fn()) -> String {
+    const MANY: usize = 4000;
+    let written = |calls| {
+        with(|text| *text = Text { calls, ..Text::default() });
+        body();
+        with(std::mem::take)
+    };
+    let mut text = written(false);
+    if text.lines.lines().count() > MANY {
+        text = written(true);
+    }
+    let functions = text.functions.iter().map(|(_, function)| function.as_str());
+    let functions: String = functions.collect();
     let parameters: Vec<String> =
         parameters.iter().map(|parameter| format!("\t.param .u64 {parameter}")).collect();
     format!(
-        ".version 7.0\n.target sm_60\n.address_size 64\n\n.visible .entry {name}(\n{}\n)\n{{\n\
-         \t.reg .f64 %f<{}>;\n\t.reg .b64 %w<{}>;\n\t.reg .pred %p<{}>;\n\t.reg .b32 %r<5>;\n\
-         {lines}}}\n",
+        ".version 7.0\n.target sm_60\n.address_size 64\n\n{functions}.visible .entry {name}(\n{}\n)\n\
+         {{\n{}\t.reg .b32 %r<5>;\n{}}}\n",
         parameters.join(",\n"),
-        numbers + 1,
-        words + 1,
-        conditions + 1,
+        text.registers(),
+        text.lines,
     )
+}
+
+impl Text {
+    /// The declarations of registers.
+    fn registers(&self) -> String {
+        let Self { numbers, words, conditions, .. } = self;
+        format!(
+            "\t.reg .f64 %f<{}>;\n\t.reg .b64 %w<{}>;\n\t.reg .pred %p<{}>;\n",
+            numbers + 1,
+            words + 1,
+            conditions + 1,
+        )
+    }
 }
 
 impl Display for Number {
@@ -157,6 +181,42 @@ impl Number {
         let to = Self::new();
         line(format_args!("{operation} {to}, {operands};"));
         to
+    }
+
+    /// The results of a function of a number, whose lines `body` writes: here, or once.
+    pub fn through<const N: usize>(
+        self,
+        name: &'static str,
+        body: fn(Self) -> [Self; N],
+    ) -> [Self; N] {
+        if self.value().is_some() || with(|text| !text.calls) {
+            return body(self);
+        }
+        let list = |of: &[String]| of.join(", ");
+        if with(|text| text.functions.iter().all(|(other, _)| *other != name)) {
+            let outside = with(std::mem::take);
+            let argument = Self::by("mov.f64", "%x");
+            let outputs: [String; N] = std::array::from_fn(|k| format!("%y{k}"));
+            let results = body(argument);
+            outputs
+                .iter()
+                .zip(results)
+                .for_each(|(to, y)| line(format_args!("mov.f64 {to}, {y};")));
+            line("ret;");
+            let inside = with(|text| std::mem::replace(text, outside));
+            let declared = outputs.map(|output| format!(".reg .f64 {output}"));
+            let function = format!(
+                ".func ({}) {name} (.reg .f64 %x)\n{{\n{}{}}}\n\n",
+                list(&declared),
+                inside.registers(),
+                inside.lines,
+            );
+            with(|text| text.functions.push((name, function)));
+        }
+        let results = [(); N].map(|()| Self::new());
+        let names = results.map(|result| result.to_string());
+        line(format_args!("call ({}), {name}, ({self});", list(&names)));
+        results
     }
 
     fn one(self, operation: &str, of: fn(f64) -> f64) -> Self {

@@ -133,10 +133,28 @@ impl<'a> Expect<'a> {
     }
 
     /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
-    /// each parameter: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps
-    /// states close, of some numbers. NaN where all paths fail. Areas are zero.
-    pub fn distances(&self) -> Vec<f64> {
-        self.apart(&self.candidates[0].setup, self.parameters.len())
+    /// each parameter, or those of a test function that depends on the parameter, if they are
+    /// larger: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps states
+    /// close, of some numbers. NaN where all paths fail. Areas are zero.
+    pub fn distances(&self, observables: &[&dyn Observe]) -> Vec<f64> {
+        let (setup, number) = (&self.candidates[0].setup, self.parameters.len());
+        let (mut all, rows, live) = self.apart(setup, number);
+        let state = &rows[..setup.problem.y0.len()];
+        for (distance, Parameter { slope, .. }) in all.iter_mut().zip(&self.parameters) {
+            let Slope::Along(nearby) = slope else { continue };
+            for (phi, near) in observables.iter().zip(nearby) {
+                let [phi, near] = [phi, near].map(|of| of.values(state, live));
+                let square = |of: &dyn Fn(usize) -> f64| -> f64 {
+                    let finite = live.paths().filter(|&p| phi[p].is_finite());
+                    finite.map(|p| of(p).powi(2)).sum()
+                };
+                let apart = (square(&|p| near[p] - phi[p]) / square(&|p| phi[p])).sqrt();
+                // It is zero where all is, and far where φ is finite and not nearby.
+                let apart = if apart.is_nan() && near != phi { f64::INFINITY } else { apart };
+                *distance = distance.max(apart);
+            }
+        }
+        all
     }
 
     /// Factor by which the distance of paths over their size grows until T, from 10⁻¹⁰ between
@@ -151,13 +169,14 @@ impl<'a> Expect<'a> {
         let begun = (0..d).map(|i| golden(i as f64 + 1.0).powi(2)).sum::<f64>().sqrt();
         let method = Arc::clone(&setup.scheme);
         setup.scheme = Arc::new(SideBySide { method, dimension: d, nearby });
-        self.apart(&setup, 1)[0] / (SEPARATION * begun)
+        self.apart(&setup, 1).0[0] / (SEPARATION * begun)
     }
 
-    /// Distances over the size of states side by side with `number` others.
-    fn apart(&self, setup: &Setup<'_>, number: usize) -> Vec<f64> {
+    /// Distances over the size of states side by side with `number` others, and the states of the
+    /// paths that did not fail.
+    fn apart(&self, setup: &Setup<'_>, number: usize) -> (Vec<f64>, Vec<Row>, PathMask) {
         let d = setup.problem.y0.len();
-        let mut distances = Vec::new();
+        let mut found = (Vec::new(), Vec::new(), PathMask::NONE);
         for steps in PILOTS {
             let (rows, live) = march(setup, self.settings.key, steps, &mut |_, _, _| ());
             let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
@@ -165,12 +184,14 @@ impl<'a> Expect<'a> {
             };
             let size = square(&|i, p| rows[i][p]);
             let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
-            distances = (0..number).map(|k| (apart(k) / size).sqrt()).collect();
-            if distances.iter().all(|&distance| distance < APART) {
+            let distances: Vec<f64> = (0..number).map(|k| (apart(k) / size).sqrt()).collect();
+            let close = distances.iter().all(|&distance| distance < APART);
+            found = (distances, rows, live);
+            if close {
                 break;
             }
         }
-        distances
+        found
     }
 
     /// The test functions on the rows of paths, and their derivatives.

@@ -34,7 +34,7 @@
 //! | [`exactly`], [`path`] | rows whose number the compiler knows, and the numbers of one path |
 //! | [`Kernel`], [`dispatch`], [`kernel!`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
-//! | [`coefficients`] | constants of the elementary functions |
+//! | [`coefficients`], [`sinh_cosh`] | constants and parts of the functions |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
 //! only reason for a dependency. Without it, kernels are compiled for the baseline of the target.
@@ -66,6 +66,7 @@ pub use derivative::{ScalarFunction, along, derivatives, fixed, gradient, is_wri
 pub use dispatch::{Kernel, Simd, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
+pub use functions::sinh_cosh;
 pub use golden::golden;
 pub use number::Real;
 pub use rows::{Row, Rows, exactly, path};

@@ -33,16 +33,22 @@ pub struct Listing<'a> {
 }
 
 /// Fixed-point iteration of an implicit step z = ψ(ẑ, z) with ẑ the first factor times the state.
-/// The program has the inputs ẑ and z and three iterates as results; it starts with z = ẑ. Without
-/// convergence by [`excess`](nonlin::criteria::excess) the step is not solved here.
+/// The program has the inputs ẑ and z and the next iterate as result; it starts with z = ẑ. The last
+/// two changes of each sweep are tested: without convergence by
+/// [`excess`](nonlin::criteria::excess) the step is not solved here.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweeps {
-    /// Largest number of runs of the program.
+    /// Largest number of sweeps.
     pub most: u32,
     /// Whether one more follows.
     pub settle: bool,
     /// The factor of the state before, and that of the solution.
     pub factors: [f64; 2],
+}
+
+impl Sweeps {
+    /// Evaluations of a sweep.
+    pub const EVALUATIONS: usize = 3;
 }
 
 impl<'a> Listing<'a> {

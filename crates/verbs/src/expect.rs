@@ -124,17 +124,18 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
-/// Change of a parameter to begin with, and wanted distance of nearby states over their size.
+/// Change of a parameter to begin with, and wanted distance of what is nearby over its size.
 const CHANGE: f64 = 1e-7;
-/// Distances of nearby states over their size, from and to.
+/// Distances over sizes, from and to.
 const DISTANCES: [f64; 2] = [1e-8, 1e-6];
-/// Factor of changes that no state shows, and the number of trials.
+/// Factor of changes that nothing shows, and the number of trials.
 const MORE: f64 = 1e3;
 const TRIALS: usize = 12;
 /// Growth of distances of paths beside which no derivative along them has a mean.
 const GROWTH: f64 = 1e6;
 
-/// Nearby scenes, each parameter changed so much that states differ by 10⁻⁷ of their size.
+/// Nearby scenes, each parameter changed so much that states or test functions differ by 10⁻⁷ of
+/// their size.
 pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     let growth = chosen(scene)?.0.growth();
     if growth > GROWTH {
@@ -149,7 +150,8 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     let mut changes = vec![CHANGE; scene.gradient.len()];
     for _ in 0..TRIALS {
         let nearby = scene.nearby(&changes)?;
-        let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances();
+        let phi: Vec<&dyn Observe> = nearby.scene.expected.iter().map(|phi| phi as _).collect();
+        let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances(&phi);
         let [least, most] = DISTANCES;
         let mut settled = true;
         for (change, distance) in changes.iter_mut().zip(distances) {

@@ -21,11 +21,16 @@ struct Line {
     target: usize,
 }
 
-/// A kernel.
-pub struct Kernel {
+/// A function, or the kernel.
+struct Routine {
     lines: Vec<(Op, Line)>,
     registers: usize,
+    /// Places of the argument and of the results after it.
+    argument: usize,
 }
+
+/// A kernel, after the functions that it calls.
+pub struct Kernel(Vec<Routine>);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Op {
@@ -62,6 +67,7 @@ enum Op {
     Load,
     Store,
     Jump,
+    Call,
     Return,
 }
 
@@ -102,6 +108,7 @@ fn op(code: &str) -> Op {
         "ld.global.f64" | "ld.global.nc.f64" | "ld.global.u64" => Load,
         "st.global.f64" | "st.global.u64" => Store,
         "bra" => Jump,
+        "call" => Call,
         "ret" => Return,
         other => panic!("no instruction {other} is expected"),
     }
@@ -109,14 +116,37 @@ fn op(code: &str) -> Op {
 
 impl Kernel {
     pub fn new(ptx: &str) -> Self {
+        let starts = ptx.match_indices(".func (").chain(ptx.match_indices(".visible"));
+        let starts: Vec<usize> = starts.map(|(at, _)| at).collect();
+        let ends = starts[1..].iter().copied().chain([ptx.len()]);
+        let texts: Vec<&str> = starts.iter().zip(ends).map(|(&at, end)| &ptx[at..end]).collect();
+        let name = |text: &&str| {
+            let words = text.split_once(") ").map_or("", |(_, rest)| rest);
+            words.split(' ').next().unwrap().to_string()
+        };
+        let names: Vec<String> = texts.iter().map(name).collect();
+        Self(texts.iter().map(|text| Routine::new(text, &names)).collect())
+    }
+
+    /// Runs one thread on memory by address.
+    fn run(&self, thread: u64, parameters: &[u64; 7], memory: &mut Memory<'_>) {
+        self.execute(self.0.len() - 1, 0, (thread, parameters), memory);
+    }
+}
+
+impl Routine {
+    fn new(ptx: &str, names: &[String]) -> Self {
         let count = |kind: &str| {
             let at = ptx.find(&format!("%{kind}<")).expect("registers are declared");
             ptx[at + kind.len() + 2..].split('>').next().unwrap().parse::<usize>().unwrap()
         };
         let (numbers, words, conditions) = (count("f"), count("w"), count("p"));
+        let argument = numbers + words + conditions + 5;
         let register = |name: &str| -> usize {
             let place = || name[2..].parse::<usize>().unwrap();
             match &name[..2] {
+                "%x" => argument,
+                "%y" => argument + 1 + place(),
                 "%f" => place(),
                 "%w" => numbers + place(),
                 "%p" => numbers + words + place(),
@@ -136,13 +166,13 @@ impl Kernel {
             }
             _ => Operand::Constant(text.parse().unwrap()),
         };
-        let body = &ptx[ptx.find(".reg .b32").unwrap()..];
+        let body = &ptx[ptx.find("{\n").unwrap()..];
         let mut labels = HashMap::new();
         let mut lines = Vec::new();
         for text in body.lines().skip(1).map(str::trim).filter(|text| !text.is_empty()) {
             if let Some(label) = text.strip_suffix(':') {
                 labels.insert(label.to_string(), lines.len());
-            } else if text != "}" {
+            } else if text != "}" && !text.starts_with(".reg") {
                 lines.push(text.trim_end_matches(';').to_string());
             }
         }
@@ -169,6 +199,18 @@ impl Kernel {
             match kind {
                 Op::Jump => line.target = labels[parts[0]],
                 Op::Return => {}
+                // call (results in a row), name, (argument)
+                Op::Call => {
+                    let inside = |text: &str| text.trim_matches(['(', ')']).to_string();
+                    let results = parts.len() - 2;
+                    line.to = register(&inside(parts[0]));
+                    for (k, part) in parts[..results].iter().enumerate() {
+                        assert_eq!(register(&inside(part)), line.to + k);
+                    }
+                    line.target = names.iter().position(|of| of == parts[results]).unwrap();
+                    line.from[0] = operand(&inside(parts[results + 1]));
+                    line.offset = results as u64;
+                }
                 Op::Parameter => {
                     line.to = register(parts[0]);
                     let name = parts[1].trim_start_matches('[').trim_end_matches(']');
@@ -194,14 +236,25 @@ impl Kernel {
             (kind, line)
         };
         let lines = lines.iter().map(line).collect();
-        Self { lines, registers: numbers + words + conditions + 5 }
+        Self { lines, registers: argument + 3, argument }
     }
+}
 
-    /// Runs one thread on memory by address.
-    fn run(&self, thread: u64, parameters: &[u64; 7], memory: &mut Memory<'_>) {
-        let mut registers = vec![0u64; self.registers];
+impl Kernel {
+    /// Runs a routine of a thread. Returns its results.
+    fn execute(
+        &self,
+        routine: usize,
+        argument: u64,
+        of_thread: (u64, &[u64; 7]),
+        memory: &mut Memory<'_>,
+    ) -> [u64; 2] {
+        let routine = &self.0[routine];
+        let (thread, parameters) = of_thread;
+        let mut registers = vec![0u64; routine.registers];
+        registers[routine.argument] = argument;
         let mut at = 0;
-        while let Some((op, line)) = self.lines.get(at) {
+        while let Some((op, line)) = routine.lines.get(at) {
             at += 1;
             if line.only.is_some_and(|(condition, holds)| (registers[condition] != 0) != holds) {
                 continue;
@@ -251,10 +304,20 @@ impl Kernel {
                     at = line.target;
                     continue;
                 }
-                Op::Return => return,
+                Op::Call => {
+                    let results = self.execute(line.target, bits(0), of_thread, memory);
+                    for (k, result) in results.iter().enumerate().take(line.offset as usize) {
+                        registers[line.to + k] = *result;
+                    }
+                    continue;
+                }
+                Op::Return => {
+                    return [1, 2].map(|k| registers[routine.argument + k]);
+                }
             };
             registers[line.to] = value;
         }
+        panic!("a routine ends with ret")
     }
 }
 

@@ -67,6 +67,41 @@ fn difference_quotients_agree_on_common_noise_alone() {
     }
 }
 
+/// q(T) is normal with mean cos T and variance s²(T/2 − sin 2T/4). The logarithm does not exist at
+/// changes of a hundred, and tanh is constant there.
+#[test]
+fn a_parameter_may_be_in_functions_alone() {
+    let scene = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + q^2/2"
+H = ["0.3*q"]
+parameters = { c = 2 }
+[run]
+initial = [1, 0]
+until = 1.5
+steps = 64
+[expect]
+of = ["exp(c*q)", "ln(q + c)", "tanh(c*q)"]
+accuracy = 1e-3
+gradient = ["c"]
+"#;
+    let (mean, variance) = (1.5f64.cos(), 0.09 * (0.75 - 3f64.sin() / 4.0));
+    let of = |function: fn(f64) -> f64| -> f64 {
+        let step = 0.01;
+        let points = (-800..=800).map(|k| step * f64::from(k));
+        let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
+        points.map(|x| step * density(x) * function(mean + variance.sqrt() * x)).sum()
+    };
+    let exact = [
+        ("c", 0, of(|q| q * (2.0 * q).exp())),
+        ("c", 1, of(|q| if q > -1.9 { 1.0 / (q + 2.0) } else { 0.0 })),
+        ("c", 2, of(|q| q / (2.0 * q).cosh().powi(2))),
+    ];
+    are(scene, &exact);
+}
+
 /// Of friction on one component, of an initial value, of the noise, and of φ itself.
 #[test]
 fn rates_initial_values_and_functions_are_differentiated() {

@@ -95,6 +95,11 @@ fn many_spins_go_on_after_a_stop_and_a_kill() {
     assert_eq!(expected.len(), 2 + 6);
     let spins = npz(whole.path().join("scene-run/spins-1-20.npz"), "spins");
     assert_eq!(spins.len(), 3 * 33_792);
+    for (name, x) in [("correlation-1", "distance in cells"), ("structure-3", "wave number, in")] {
+        let file = whole.path().join(format!("scene-run/figures/spectrum-{name}.svg"));
+        let figure = fs::read_to_string(file).expect("a figure");
+        assert!(figure.contains(x) && figure.contains("t = 0.25"), "{figure}");
+    }
     let folder = with_scene(&many(40));
     for (k, signal) in ["-INT", "-KILL", "-INT", "-TERM"].into_iter().enumerate() {
         let mut child = casimir(folder.path()).args(arguments).spawn().expect("it starts");

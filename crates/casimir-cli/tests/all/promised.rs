@@ -182,7 +182,7 @@ fn said(folder: &Path, file: &str) -> [String; 2] {
     let [scheme, because] =
         ["scheme", "because"].map(|key| found["recommended"][0][key].as_str().unwrap().to_owned());
     let run = succeeds(folder, &["run", file, "--scheme", "auto", "--paths", "1", "--out", "run"]);
-    let line = run.lines().find(|line| line.starts_with("s") && line.contains(": it "));
+    let line = run.lines().find(|line| line.starts_with(&*scheme) && line.contains(": it "));
     let compared =
         succeeds(folder, &["compare", file, "--budget", "0.1", "--error", "0.1", "--out", "all"]);
     let auto = compared.split("`auto` takes ").nth(1).unwrap_or_else(|| panic!("{compared}"));

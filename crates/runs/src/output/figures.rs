@@ -13,7 +13,7 @@ use casimir::{
     study::{Joint, Kind, Series, StudyResult},
 };
 
-use super::page::TABLE;
+use super::{Array, page::TABLE};
 use crate::Results;
 use scenes::{self, MAX_COMPONENTS, Scene, digits, model::Grid};
 
@@ -64,6 +64,8 @@ pub type Section = (&'static str, Vec<Figure>);
 
 /// Paths in a figure; more hide each other.
 const SHOWN_PATHS: usize = 4;
+/// Times in a figure of correlations.
+const SHOWN_TIMES: usize = 4;
 /// Laws in a report.
 const SHOWN_LAWS: usize = 6;
 /// Pictures of a lattice.
@@ -92,6 +94,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
     };
     sections.push(("Phase portraits", portraits(scene, results)));
     sections.push(("The lattice", lattice(scene, results).into_iter().collect()));
+    sections.push(("Correlations and structure factors", spectra(results)));
     sections.push(("The sphere", sphere(scene, results)));
     sections.push(("Conserved but for the damping", laws(results)));
     sections.retain(|(title, figures)| !figures.is_empty() || *title == TABLE);
@@ -162,6 +165,33 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Figure> {
         Figure::of("portrait", &format!("{x}\0{y}"), svg, caption)
     };
     pairs.iter().map(portrait).collect()
+}
+
+/// Correlations and structure factors of the first path along each axis, at times from the first
+/// to the last.
+fn spectra(results: &Results) -> Vec<Figure> {
+    let [(_, _, times), arrays @ ..] = &results.spectra[..] else { return Vec::new() };
+    let between = times.len().saturating_sub(1).div_ceil(SHOWN_TIMES - 1).max(1);
+    let of_axis = ["distance in cells", "wave number, in reciprocal vectors over the length"];
+    let figure = |((name, shape, values), x): (&Array, &str)| {
+        let trace = |(time, row): (&f64, &[f64])| {
+            let points = row.iter().enumerate().map(|(k, value)| (k as f64, *value));
+            Trace { name: format!("t = {}", digits(*time)), points: points.collect() }
+        };
+        let rows = times.iter().zip(values.chunks(shape[2]));
+        // The last one, and those a distance before it.
+        let rows = rows
+            .collect::<Vec<_>>()
+            .into_iter()
+            .rev()
+            .step_by(between)
+            .map(trace)
+            .collect::<Vec<_>>();
+        let traces: Vec<Trace> = rows.into_iter().rev().collect();
+        let axis = format!("{name} along its axis, path 0, at {} times.", traces.len());
+        Figure::of("spectrum", name, lines(name, x, &**name, &traces), axis)
+    };
+    arrays.iter().zip(of_axis.into_iter().cycle()).map(figure).collect()
 }
 
 /// Joint laws, autocorrelations and spectra.

@@ -18,9 +18,6 @@ use super::{
 };
 use crate::{Implicit, Listing, Step, Stepper, Sweeps};
 
-/// Evaluations of a sweep.
-const EVALUATIONS: usize = 3;
-
 /// A formula on 32 paths, or on one large path. An implicit one is solved by fixed-point iteration
 /// as in [`nonlin::Method::FixedPoint`], and by Newton's method without a matrix on paths where
 /// that does not converge.
@@ -47,7 +44,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
 
     /// Records the formula, or a sweep, of a step.
     fn record(&mut self, step: &Step) -> Result<(), SchemeError> {
-        let evaluations = if F::EXPLICIT { 1 } else { EVALUATIONS };
+        let evaluations = if F::EXPLICIT { 1 } else { Sweeps::EVALUATIONS };
         if self.machine.record(self.formula, step, evaluations)? && !F::EXPLICIT {
             // A rescue needs the derivative, maybe after hours.
             derivative(self.machine.operations())?;
@@ -157,7 +154,7 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
-        self.record(step).ok()?;
+        self.machine.record(self.formula, step, 1).ok()?;
         let Solver { max_sweeps, settle, .. } = self.formula.solver();
         let sweeps = Sweeps { most: max_sweeps.max(1), settle, factors: Self::halves(step) };
         let (program, factors) = self.machine.program()?;
