@@ -66,7 +66,7 @@ pub fn line(text: impl Display) {
 }
 
 /// The kernel `name` with 64-bit parameters, whose lines `body` writes. Functions are written where
-/// they are needed; in a kernel of many lines, which would take seconds to compile, they are called.
+/// they are needed; in a kernel of many lines, which takes seconds to compile, they are called.
 pub fn kernel(name: &str, parameters: &[&str], body: impl Fn()) -> String {
     const MANY: usize = 4000;
     let written = |calls| {
@@ -83,8 +83,8 @@ pub fn kernel(name: &str, parameters: &[&str], body: impl Fn()) -> String {
     let parameters: Vec<String> =
         parameters.iter().map(|parameter| format!("\t.param .u64 {parameter}")).collect();
     format!(
-        ".version 7.0\n.target sm_60\n.address_size 64\n\n{functions}.visible .entry {name}(\n{}\n)\n\
-         {{\n{}\t.reg .b32 %r<5>;\n{}}}\n",
+        ".version 7.0\n.target sm_60\n.address_size 64\n\n{functions}.visible .entry {name}(\n{}\n\
+         )\n{{\n{}\t.reg .b32 %r<5>;\n{}}}\n",
         parameters.join(",\n"),
         text.registers(),
         text.lines,

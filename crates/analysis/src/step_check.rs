@@ -160,7 +160,7 @@ impl StepCheck {
 /// run. One path where neither noise nor initial values are random.
 pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     let width = WIDTH as u64;
-    match problem.noises == 0 && problem.initial.is_none() {
+    match problem.silent && problem.initial.is_none() {
         true => 1,
         false => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MAX_BLOCKS),
     }

@@ -127,7 +127,7 @@ impl<'a> Estimator<'a> {
     ) -> Self {
         let Setup { problem, scheme } = &candidate.setup;
         let settings = &request.expect.settings;
-        let noisy = problem.noises > 0 || problem.initial.is_some();
+        let noisy = !problem.silent || problem.initial.is_some();
         let reads_areas = scheme.about().reads_areas;
         let halvings = MAX_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
@@ -141,7 +141,7 @@ impl<'a> Estimator<'a> {
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             drive: DriveResolution::new(problem),
             noisy,
-            sobol: problem.noises > 0 && !settings.random_points && !reads_areas,
+            sobol: !problem.silent && !settings.random_points && !reads_areas,
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
@@ -236,7 +236,9 @@ impl<'a> Estimator<'a> {
                 }
                 continue;
             } else {
-                (WarningKind::Stopped, Message::new("stopped before the accuracy was reached"))
+                let what = if sums.iter().any(wide) { "accuracy" } else { "least bias" };
+                let what = format!("stopped before the {what} was reached");
+                (WarningKind::Stopped, Message::new(what))
             };
             self.levels.retain(|samples| samples.paths > 0);
             self.first = self.first.min(self.levels.len() - 1);

@@ -25,6 +25,8 @@ pub struct Nearby<'a> {
     pub change: f64,
     /// Difference of the parameter in the problem from the wanted one, small beside the change.
     pub offset: f64,
+    /// Part of the derivative that curvature may add, if it is known to be more than 10⁻⁶.
+    pub curvature: f64,
     /// Expectations of the changed problem, by the same schemes.
     pub expect: Expect<'a>,
     /// The test functions, which may depend on the parameter.
@@ -36,6 +38,7 @@ pub struct Parameter<'a> {
     pub name: String,
     pub(super) change: f64,
     pub(super) offset: f64,
+    pub(super) curvature: f64,
     pub(super) slope: Slope<'a>,
 }
 
@@ -75,7 +78,7 @@ impl<'a> Expect<'a> {
     /// must not depend on parameters, and are not looked at.
     pub fn with_gradient(mut self, nearby: Vec<Nearby<'a>>) -> Result<Self, RunError> {
         let mut all: Vec<Vec<Candidate<'a>>> = Vec::new();
-        for Nearby { parameter, change, offset, expect, observables } in nearby {
+        for Nearby { parameter, change, offset, curvature, expect, observables } in nearby {
             let ids = |expect: &Expect<'_>| -> Vec<&str> {
                 expect.candidates.iter().map(|one| one.setup.scheme.about().id).collect()
             };
@@ -85,7 +88,8 @@ impl<'a> Expect<'a> {
             }
             all.push(expect.candidates);
             let slope = Slope::Along(observables);
-            self.parameters.push(Parameter { name: parameter, change, offset, slope });
+            let name = parameter;
+            self.parameters.push(Parameter { name, change, offset, curvature, slope });
         }
         for (k, candidate) in self.candidates.iter_mut().enumerate() {
             let problem = &candidate.setup.problem;
@@ -119,74 +123,87 @@ impl<'a> Expect<'a> {
     }
 
     /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
-    /// 10⁻⁶ of it and rounding errors of φ over the change, of each value its offset.
+    /// 10⁻⁶ of it, or what curvature is known to add, and rounding errors of φ over the change, of
+    /// each value its offset.
     pub(super) fn bound(&self, found: &mut Expectation) {
         for (parameter, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
             let pairs = found.estimates.iter_mut().zip(slopes);
             // One without a mean has no bound.
             for (own, slope) in pairs.filter(|(_, slope)| slope.value.is_finite()) {
                 let rounding = ROUND_OFF * own.value.abs() / parameter.change.abs();
-                slope.bias_bound += CURVATURE * slope.value.abs() + rounding;
+                slope.bias_bound +=
+                    parameter.curvature.max(CURVATURE) * slope.value.abs() + rounding;
                 own.bias_bound += (slope.value * parameter.offset).abs();
             }
         }
     }
 
-    /// Distances of nearby states at T over their size, in the root mean square over 32 paths, for
-    /// each parameter, or those of a test function that depends on the parameter, if they are
-    /// larger: 10⁻⁷ balances rounding errors and curvature. Steps are as short as keeps states
-    /// close, of some numbers. NaN where all paths fail. Areas are zero.
+    /// Distances at T of what is nearby over its size, in the root mean square over 32 paths, for
+    /// each parameter: the largest among the components and the test functions. 10⁻⁷ balances
+    /// rounding errors and curvature. The size of a component is the largest on the way. Steps are
+    /// as short as keeps states close, of some numbers. NaN where all paths fail. Areas are zero.
     pub fn distances(&self, observables: &[&dyn Observe]) -> Vec<f64> {
         let (setup, number) = (&self.candidates[0].setup, self.parameters.len());
-        let (mut all, rows, live) = self.apart(setup, number);
-        let state = &rows[..setup.problem.y0.len()];
-        for (distance, Parameter { slope, .. }) in all.iter_mut().zip(&self.parameters) {
+        let Apart { mut largest, rows, live, .. } = self.apart(setup, number, &PILOTS);
+        let states: Vec<&[Row]> = rows.chunks(setup.problem.y0.len()).collect();
+        let parameters = self.parameters.iter().zip(&states[1..]);
+        for (distance, (Parameter { slope, .. }, state)) in largest.iter_mut().zip(parameters) {
             let Slope::Along(nearby) = slope else { continue };
             for (phi, near) in observables.iter().zip(nearby) {
-                let [phi, near] = [phi, near].map(|of| of.values(state, live));
-                let square = |of: &dyn Fn(usize) -> f64| -> f64 {
-                    let finite = live.paths().filter(|&p| phi[p].is_finite());
-                    finite.map(|p| of(p).powi(2)).sum()
-                };
-                let apart = (square(&|p| near[p] - phi[p]) / square(&|p| phi[p])).sqrt();
+                let [phi, near] =
+                    [(phi, states[0]), (near, *state)].map(|(of, y)| of.values(y, live));
+                let finite = || live.paths().filter(|&p| phi[p].is_finite());
+                let apart = rms(finite().map(|p| near[p] - phi[p])) / rms(finite().map(|p| phi[p]));
                 // It is zero where all is, and far where φ is finite and not nearby.
                 let apart = if apart.is_nan() && near != phi { f64::INFINITY } else { apart };
                 *distance = distance.max(apart);
             }
         }
-        all
+        largest
     }
 
-    /// Factor by which the distance of paths over their size grows until T, from 10⁻¹⁰ between
-    /// their initial values: exponential where motion is chaotic.
+    /// Factor by which the distance of paths grows until T, from 10⁻¹⁰ of the size of each
+    /// component between their initial values: exponential where motion is chaotic.
     pub fn growth(&self) -> f64 {
         let mut setup = self.candidates[0].setup.clone();
         let Problem { y0, damping, .. } = &setup.problem;
-        let size = y0.iter().map(|y| y * y).sum::<f64>().sqrt();
-        let d = y0.len();
-        let shift = (0..d).map(|i| SEPARATION * size * golden(i as f64 + 1.0)).collect();
+        let (d, sizes) = (y0.len(), self.apart(&setup, 0, &PILOTS[1..]).sizes);
+        let part = |i: usize| SEPARATION * golden(i as f64 + 1.0);
+        let shift = (0..d).map(|i| part(i) * sizes[i]).collect();
         let nearby = vec![Near { method: Arc::clone(&setup.scheme), damping: *damping, shift }];
-        let begun = (0..d).map(|i| golden(i as f64 + 1.0).powi(2)).sum::<f64>().sqrt();
+        let moves = (0..d).filter(|&i| sizes[i] > 0.0);
+        let begun = moves.map(|i| part(i).powi(2)).sum::<f64>().sqrt();
         let method = Arc::clone(&setup.scheme);
         setup.scheme = Arc::new(SideBySide { method, dimension: d, nearby });
-        self.apart(&setup, 1).0[0] / (SEPARATION * begun)
+        self.apart(&setup, 1, &PILOTS[1..]).all[0] / begun
     }
 
-    /// Distances over the size of states side by side with `number` others, and the states of the
-    /// paths that did not fail.
-    fn apart(&self, setup: &Setup<'_>, number: usize) -> (Vec<f64>, Vec<Row>, PathMask) {
+    /// States side by side with `number` others, in the first number of steps that keeps them
+    /// close.
+    fn apart(&self, setup: &Setup<'_>, number: usize, pilots: &[u64]) -> Apart {
         let d = setup.problem.y0.len();
-        let mut found = (Vec::new(), Vec::new(), PathMask::NONE);
-        for steps in PILOTS {
-            let (rows, live) = march(setup, self.settings.key, steps, &mut |_, _, _| ());
-            let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-                live.paths().map(|p| (0..d).map(|i| of(i, p).powi(2)).sum::<f64>()).sum()
+        let mut found = Apart::default();
+        for &steps in pilots {
+            let mut sizes = vec![0.0f64; d];
+            let mut see = |rows: &[Row], live: PathMask| {
+                for (size, row) in sizes.iter_mut().zip(rows) {
+                    *size = size.max(rms(live.paths().map(|p| row[p])));
+                }
             };
-            let size = square(&|i, p| rows[i][p]);
-            let apart = |k: usize| square(&|i, p| rows[(k + 1) * d + i][p] - rows[i][p]);
-            let distances: Vec<f64> = (0..number).map(|k| (apart(k) / size).sqrt()).collect();
-            let close = distances.iter().all(|&distance| distance < APART);
-            found = (distances, rows, live);
+            let key = self.settings.key;
+            let (rows, live) = march(setup, key, steps, &mut |_, rows, live| see(rows, live));
+            see(&rows, live);
+            let part = |k: usize, i: usize| {
+                let apart = rms(live.paths().map(|p| rows[(k + 1) * d + i][p] - rows[i][p]));
+                if apart == 0.0 && !live.is_empty() { 0.0 } else { apart / sizes[i] }
+            };
+            let parts = |k: usize| (0..d).map(move |i| part(k, i));
+            // The larger one; NaN if one is.
+            let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+            let largest: Vec<f64> = (0..number).map(|k| parts(k).fold(0.0, larger)).collect();
+            let all = (0..number).map(|k| parts(k).map(|x| x * x).sum::<f64>().sqrt()).collect();
+            let close = largest.iter().all(|&distance| distance < APART);
+            found = Apart { sizes, largest, all, rows, live };
             if close {
                 break;
             }
@@ -223,6 +240,25 @@ impl<'a> Expect<'a> {
             .map(|(phi, of)| on_rows(phi, of))
             .collect()
     }
+}
+
+/// States of a pilot side by side.
+#[derive(Default)]
+struct Apart {
+    /// The largest size of each component on the way, in the root mean square over paths.
+    sizes: Vec<f64>,
+    /// Distances over these sizes at the end: the largest among components, and of all together.
+    largest: Vec<f64>,
+    all: Vec<f64>,
+    /// The states at the end, and the paths that did not fail.
+    rows: Vec<Row>,
+    live: PathMask,
+}
+
+/// Root mean square; NaN of nothing.
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0.0, 0.0), |(count, sum), x| (count + 1.0, sum + x * x));
+    (sum / count).sqrt()
 }
 
 /// The last rows of 32 paths, and the paths that did not fail. `see` has the rows before each step.

@@ -58,7 +58,8 @@ impl<'a> Expect<'a> {
             }
             laws.push(Law { system, problem: near });
             let slope = Slope::Score { row: 0, centres: vec![0.0; observables.len()] };
-            self.parameters.push(Parameter { name: parameter, change, offset, slope });
+            let (name, curvature) = (parameter, 0.0);
+            self.parameters.push(Parameter { name, change, offset, curvature, slope });
         }
         let changes: Arc<[f64]> = self.parameters.iter().map(|one| one.change).collect();
         let laws: Arc<[Law<'a>]> = laws.into();
@@ -94,21 +95,22 @@ impl<'a> Expect<'a> {
         changes: &[f64],
     ) -> Result<(Vec<Row>, PathMask), (usize, &'static str)> {
         let mut scores = Scores::new(laws, changes);
-        // Squares of ∂b/∂θ, of its part outside of the span, of noises, and of their changes.
-        let mut squares = vec![[0.0; 4]; changes.len()];
+        // Squares of what each component has outside of the span, and of what it may have.
+        let mut squares = vec![Vec::new(); changes.len()];
         let mut see = |step: &Step, y: &[Row], live: PathMask| {
             scores.at(step.t, y);
             for (k, squares) in squares.iter_mut().enumerate() {
-                let found = scores.squares(k, live);
-                squares.iter_mut().zip(found).for_each(|(sum, one)| *sum += one);
+                scores.add_squares(k, live, squares);
             }
         };
         let found = march(&self.candidates[0].setup, self.settings.key, PILOT, &mut see);
-        for (k, [drift, outside, noise, changed]) in squares.into_iter().enumerate() {
-            if changed > ROUNDING * ROUNDING * noise {
+        let exceeds = |&[square, allowed]: &[f64; 2]| square > allowed || square.is_nan();
+        for (k, squares) in squares.into_iter().enumerate() {
+            let (drifts, noises) = squares.split_at(scores.dimension.min(squares.len()));
+            if noises.iter().any(exceeds) {
                 return Err((k, "it changes a noise"));
             }
-            if outside > OUTSIDE * OUTSIDE * drift || outside.is_nan() {
+            if drifts.iter().any(exceeds) {
                 return Err((k, "it changes the drift in directions in which no noise acts"));
             }
         }
@@ -155,7 +157,7 @@ struct Scores<'a> {
     /// ∂b/∂θ and u of each parameter.
     drifts: Vec<Row>,
     factors: Vec<Row>,
-    /// Squares of the changes of fields of noises.
+    /// Changes of the fields of noises.
     changed: Vec<Row>,
     scratch: Rows,
 }
@@ -174,7 +176,7 @@ impl<'a> Scores<'a> {
             near: rows(d),
             drifts: rows(d * changes.len()),
             factors: rows(noises * changes.len()),
-            changed: rows(changes.len()),
+            changed: rows(d * noises * changes.len()),
             scratch: Rows::zero(d + noises + scratch.unwrap_or(0)),
         }
     }
@@ -187,7 +189,6 @@ impl<'a> Scores<'a> {
             self.laws[0].field(k, t, y, &mut self.own[k * d..(k + 1) * d], &mut self.scratch);
         }
         for (k, (law, change)) in self.laws[1..].iter().zip(self.changes).enumerate() {
-            self.changed[k] = [0.0; WIDTH];
             for m in (0..=noises).rev() {
                 law.field(m, t, y, &mut self.near, &mut self.scratch);
                 let pairs = self.near.iter().zip(&self.own[m * d..(m + 1) * d]);
@@ -196,7 +197,7 @@ impl<'a> Scores<'a> {
                         let difference = near[p] - own[p];
                         match m {
                             0 => self.drifts[k * d + i][p] = difference / change,
-                            _ => self.changed[k][p] += difference * difference,
+                            _ => self.changed[(k * noises + m - 1) * d + i][p] = difference,
                         }
                     }
                 }
@@ -205,17 +206,26 @@ impl<'a> Scores<'a> {
         let (fields, count) = (&self.own[d..], self.changes.len());
         for p in 0..WIDTH {
             let mut gram = [[0.0; MAX_NOISES]; MAX_NOISES];
+            // Fields of length one, since noises have units of their own.
+            let mut units = [0.0; MAX_NOISES];
+            for (m, unit) in units[..noises].iter_mut().enumerate() {
+                let length = (0..d).map(|i| fields[m * d + i][p].powi(2)).sum::<f64>().sqrt();
+                *unit = if length > 0.0 { 1.0 / length } else { 0.0 };
+            }
             for (m, l) in (0..noises).flat_map(|m| (0..=m).map(move |l| (m, l))) {
-                gram[m][l] = (0..d).map(|i| fields[m * d + i][p] * fields[l * d + i][p]).sum();
+                let field = |m: usize, i: usize| units[m] * fields[m * d + i][p];
+                gram[m][l] = (0..d).map(|i| field(m, i) * field(l, i)).sum();
             }
             cholesky(&mut gram, noises);
             for k in 0..count {
                 let mut u = [0.0; MAX_NOISES];
                 for (m, u) in u[..noises].iter_mut().enumerate() {
-                    *u = (0..d).map(|i| fields[m * d + i][p] * self.drifts[k * d + i][p]).sum();
+                    let product =
+                        |i: usize| units[m] * fields[m * d + i][p] * self.drifts[k * d + i][p];
+                    *u = (0..d).map(product).sum();
                 }
                 solve(&gram, &mut u[..noises]);
-                (0..noises).for_each(|m| self.factors[k * noises + m][p] = u[m]);
+                (0..noises).for_each(|m| self.factors[k * noises + m][p] = units[m] * u[m]);
             }
         }
     }
@@ -229,24 +239,29 @@ impl<'a> Scores<'a> {
         }
     }
 
-    /// Sums of squares over paths for parameter k: of ∂b/∂θ, of ∂b/∂θ − Σ uₘfₘ, of the fields of
-    /// noises, and of their changes.
-    fn squares(&self, k: usize, live: PathMask) -> [f64; 4] {
+    /// Adds squares over paths for parameter k with those that are allowed: of each component of
+    /// ∂b/∂θ − Σ uₘfₘ a part of ∂b/∂θ and rounding errors; then of the changes of the components of
+    /// the fields of noises, rounding errors.
+    fn add_squares(&self, k: usize, live: PathMask, sums: &mut Vec<[f64; 2]>) {
         let (d, noises) = (self.dimension, self.noises);
-        let mut sums = [0.0; 4];
+        sums.resize(d * (noises + 1), [0.0; 2]);
         for p in live.paths() {
             for i in 0..d {
                 let drift = self.drifts[k * d + i][p];
-                let field = |m: usize| self.own[(m + 1) * d + i][p];
-                let inside: f64 =
-                    (0..noises).map(|m| self.factors[k * noises + m][p] * field(m)).sum();
-                sums[0] += drift * drift;
-                sums[1] += (drift - inside).powi(2);
-                sums[2] += (0..noises).map(|m| field(m).powi(2)).sum::<f64>();
+                let term =
+                    |m: usize| self.factors[k * noises + m][p] * self.own[(m + 1) * d + i][p];
+                let inside: f64 = (0..noises).map(term).sum();
+                let terms: f64 = (0..noises).map(|m| term(m).powi(2)).sum();
+                let own = self.own[i][p] / self.changes[k];
+                let rounding = ROUNDING * ROUNDING * (terms + own * own);
+                sums[i][0] += (drift - inside).powi(2);
+                sums[i][1] += OUTSIDE * OUTSIDE * drift * drift + rounding;
             }
-            sums[3] += self.changed[k][p];
+            for (n, [square, allowed]) in sums[d..].iter_mut().enumerate() {
+                *square += self.changed[k * noises * d + n][p].powi(2);
+                *allowed += (ROUNDING * self.own[d + n][p]).powi(2);
+            }
         }
-        sums
     }
 }
 

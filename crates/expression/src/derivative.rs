@@ -103,9 +103,14 @@ impl Graph {
                 let (zero, other) = (self.constant(0.0), self.neg(weight));
                 self.where_less(a, zero, other, weight)
             }
-            Node::Unary(Sqrt, _) => {
+            Node::Unary(Sqrt, a) => {
                 let twice = self.scale(f, 2.0);
-                self.div(weight, twice)
+                let part = self.div(weight, twice);
+                let Node::Binary(Max, ..) = self.node(a) else { return Some(part) };
+                // √max(x, 0) is constant where it is zero, but for x = 0.
+                let [least, huge] = [f64::MIN_POSITIVE, f64::MAX].map(|x| self.constant(x));
+                let steep = self.mul(weight, huge);
+                self.where_less(f, least, steep, part)
             }
             Node::Unary(Ln, a) => self.div(weight, a),
             Node::Unary(function, a) => {

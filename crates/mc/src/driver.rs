@@ -449,21 +449,22 @@ pub fn drawn(
     tau: f64,
     area_noises: Option<usize>,
 ) -> Result<NoiseSource<'static>, LadderError> {
-    let terms = |noises| area_terms(strong_order_one_error(tau), tau, noises);
-    let areas = area_noises.map(|noises| Ok::<_, LadderError>((noises, terms(noises)?)));
-    let areas = areas.transpose()?;
-    let [of_increments, of_space_time] = [tau, tau / 12.0].map(f64::sqrt);
+    let areas = match area_noises {
+        Some(noises) => Some((noises, area_terms(strong_order_one_error(tau), tau, noises)?)),
+        None => None,
+    };
+    let root = tau.sqrt();
     Ok(Box::new(move |first_path| {
         let mut increments = WienerRows::new(key, first_path);
         let mut space_time = None;
         let mut areas =
             areas.map(|(noises, terms)| AreaSampler::new(key, first_path, noises, terms));
         Box::new(move |noise| {
-            increments.increments(of_increments, &mut noise.increments);
+            increments.increments(root, &mut noise.increments);
             if !noise.space_time.is_empty() {
                 let key = key.beside(Purpose::SpaceTimeAreas);
                 let of_block = space_time.get_or_insert_with(|| WienerRows::new(key, first_path));
-                of_block.increments(of_space_time, &mut noise.space_time);
+                of_block.increments((tau / 12.0).sqrt(), &mut noise.space_time);
             }
             if let Some(areas) = &mut areas {
                 areas.areas(tau, &noise.increments, &mut noise.areas);

@@ -29,6 +29,7 @@ impl<'a> Problem<'a> {
             name: description.name.clone(),
             parameters: description.parameters.clone(),
             noises: description.noises,
+            silent: description.is_silent(),
             y0: problem.y0().into(),
             initial: None,
             t_end: problem.t_end(),

@@ -26,6 +26,8 @@ pub struct Problem<'a> {
     pub parameters: String,
     /// Number of noises.
     pub noises: usize,
+    /// Whether all noises are known to be zero at all states, or there are none.
+    pub silent: bool,
     /// The initial value, whose length is the dimension; one possible value if it is random.
     pub y0: Vec<f64>,
     /// Random initial values in place of `y0`.
@@ -154,6 +156,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 ///     name: "walk".into(),
 ///     parameters: String::new(),
 ///     noises: dimension,
+///     silent: false,
 ///     y0: vec![0.0; dimension],
 ///     initial: None,
 ///     t_end: 1.0,
@@ -214,6 +217,7 @@ impl<'a> Problem<'a> {
             name: system.name().into(),
             parameters: system.parameters(),
             noises: M,
+            silent: M == 0,
             y0: problem.y0().into(),
             initial: None,
             t_end: problem.t_end(),

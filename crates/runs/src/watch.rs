@@ -80,7 +80,11 @@ impl Watch {
                 _ if half_width <= accuracy => return,
                 true => {
                     let more = (whole - since).max(1.0) / 60.0;
-                    format!("±{half_width:.1e} so far, about {more:.1} more")
+                    let more = match more < MANY_MINUTES {
+                        true => format!("about {more:.1} more"),
+                        false => "far from it".into(),
+                    };
+                    format!("±{half_width:.1e} so far, {more}")
                 }
                 false if since < PATIENCE.as_secs_f64() => return,
                 false => "no estimate yet".into(),
@@ -134,6 +138,8 @@ impl Watch {
 
 /// Time after which the progress is reported, where no bar shows it.
 const SOON: Duration = Duration::from_secs(8);
+/// Minutes that nobody waits.
+const MANY_MINUTES: f64 = 1e5;
 /// Time after which the half-width reached so far is reported.
 const PATIENCE: Duration = Duration::from_secs(60);
 

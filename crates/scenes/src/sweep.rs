@@ -237,6 +237,8 @@ pub struct Changed {
     pub change: f64,
     /// Difference of the generic parameter from the one that was given.
     pub offset: f64,
+    /// Part of a difference that curvature adds, if it was measured.
+    pub curvature: f64,
     /// Whether what is observed may depend on the parameter: its texts name it, or H₀.
     pub is_observed: bool,
     /// The scene.
@@ -285,12 +287,19 @@ impl Nearby {
             let (mut file, near) = (file.clone(), value + change);
             put(&mut file, name, near);
             let (parameter, scene) = (name.clone(), Scene::of(source, file, &changes, false)?);
-            let is_observed = words.contains(name) || words.contains("H0");
-            Ok(Changed { parameter, value, change: near - value, offset, is_observed, scene })
+            let is_heat = |word: &String| word.strip_prefix("heat").is_some_and(is_number);
+            let has_energy = words.contains("H0") || words.iter().any(is_heat);
+            let is_observed = words.contains(name) || has_energy;
+            let (change, curvature) = (near - value, 0.0);
+            Ok(Changed { parameter, value, change, offset, curvature, is_observed, scene })
         };
         let changed = generic.iter().map(near).collect::<Read<_>>()?;
         Ok(Self { scene: Scene::of(source, file, &changes, false)?, changed })
     }
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_digit())
 }
 
 /// Words in the texts of what is observed.

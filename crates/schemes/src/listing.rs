@@ -33,8 +33,8 @@ pub struct Listing<'a> {
 }
 
 /// Fixed-point iteration of an implicit step z = ψ(ẑ, z) with ẑ the first factor times the state.
-/// The program has the inputs ẑ and z and the next iterate as result; it starts with z = ẑ. The last
-/// two changes of each sweep are tested: without convergence by
+/// The program has the inputs ẑ and z and the next iterate as result; it starts with z = ẑ. The
+/// last two changes of each sweep are tested: without convergence by
 /// [`excess`](nonlin::criteria::excess) the step is not solved here.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweeps {

@@ -287,7 +287,8 @@ impl<'a> Equilibrium<'a> {
                 let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
                 let wanted = now.wanted;
-                let paired = (wanted as usize).max(1).next_multiple_of(WIDTH).min(number);
+                let paired = wanted.clamp(1.0, number as f64) as usize;
+                let paired = paired.next_multiple_of(WIDTH).min(number);
                 found = Some(now);
                 let shorter = fails || halves && chains.doubled;
                 let more = if shorter { 2 * BATCHES } else { BATCHES };
@@ -344,7 +345,7 @@ impl<'a> Equilibrium<'a> {
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
         let Self { setup: Setup { problem, .. }, settings, .. } = self;
         let EquilibriumSettings { steps, chains, weak_order, .. } = *settings;
-        if problem.noises == 0 && problem.initial.is_none() {
+        if problem.silent && problem.initial.is_none() {
             let same = "without noise and with one initial value all chains are the same: give a \
                         law of initial values";
             return Err(RunError::Setting(same.into()));

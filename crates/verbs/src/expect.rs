@@ -124,18 +124,67 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
-/// Change of a parameter to begin with, and wanted distance of what is nearby over its size.
+/// Change of a parameter over its size to begin with, and wanted distance of what is nearby over
+/// its size.
 const CHANGE: f64 = 1e-7;
 /// Distances over sizes, from and to.
 const DISTANCES: [f64; 2] = [1e-8, 1e-6];
 /// Factor of changes that nothing shows, and the number of trials.
 const MORE: f64 = 1e3;
 const TRIALS: usize = 12;
+/// Exponents of the distance in the change, from and to, of a function that has a derivative.
+const LINEAR: [f64; 2] = [0.5, 1.5];
+/// Distance over the size that is more than rounding errors.
+const SEEN: f64 = 1e-12;
+/// Part of a difference from which on curvature is most of it.
+const CURVED: f64 = 0.5;
 /// Growth of distances of paths beside which no derivative along them has a mean.
-const GROWTH: f64 = 1e6;
+const GROWTH: f64 = 1e5;
+
+/// The change of a parameter that is sought.
+struct Trial {
+    first: f64,
+    change: f64,
+    /// The change and the distance before.
+    before: Option<(f64, f64)>,
+    settled: bool,
+    curvature: f64,
+}
+
+impl Trial {
+    /// Takes the first change, by which differences are small whatever they depend on, and does
+    /// not believe them where `curvature` is one.
+    fn give_up(&mut self, curvature: f64) {
+        (self.change, self.settled, self.curvature) = (self.first, true, curvature);
+    }
+
+    /// The next trial, from the distance that the change gave.
+    fn next(&mut self, distance: f64) {
+        let ([least, most], [lowest, highest]) = (DISTANCES, LINEAR);
+        if distance == 0.0 {
+            match self.change < 1.0f64.max(self.first / CHANGE) {
+                true => self.change *= MORE,
+                false => self.give_up(0.0),
+            }
+        } else if distance.is_nan() || (least..=most).contains(&distance) {
+            self.settled = true;
+        } else {
+            let exponent = self
+                .before
+                .filter(|(_, before)| before.min(distance) > SEEN)
+                .map(|(change, before)| ln(distance / before) / ln(self.change / change));
+            if exponent.is_some_and(|p| p.is_finite() && !(lowest..=highest).contains(&p)) {
+                return self.give_up(1.0);
+            }
+            self.before = distance.is_finite().then_some((self.change, distance));
+            self.change *= (CHANGE / distance).clamp(1.0 / MORE, MORE);
+        }
+    }
+}
 
 /// Nearby scenes, each parameter changed so much that states or test functions differ by 10⁻⁷ of
-/// their size.
+/// their size. Where differences are no multiples of the change, as k² at k = 0, the change is
+/// small itself.
 pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     let growth = chosen(scene)?.0.growth();
     if growth > GROWTH {
@@ -147,27 +196,50 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
         );
         return Err(refused(scene, words));
     }
-    let mut changes = vec![CHANGE; scene.gradient.len()];
-    for _ in 0..TRIALS {
-        let nearby = scene.nearby(&changes)?;
+    let distances = |nearby: &Nearby| -> Done<Vec<f64>> {
         let phi: Vec<&dyn Observe> = nearby.scene.expected.iter().map(|phi| phi as _).collect();
-        let distances = with_gradient(chosen(&nearby.scene)?.0, &nearby)?.distances(&phi);
-        let [least, most] = DISTANCES;
-        let mut settled = true;
-        for (change, distance) in changes.iter_mut().zip(distances) {
-            if distance == 0.0 && *change < 1.0 {
-                *change *= MORE;
-                settled = false;
-            } else if distance > 0.0 && !(least..=most).contains(&distance) {
-                *change *= (CHANGE / distance).clamp(1.0 / MORE, MORE);
-                settled = false;
-            }
-        }
-        if settled {
-            return Ok(nearby);
+        Ok(with_gradient(chosen(&nearby.scene)?.0, nearby)?.distances(&phi))
+    };
+    let none = vec![CHANGE; scene.gradient.len()];
+    let first = |one: &Changed| match (one.value - one.offset).abs() {
+        0.0 => CHANGE,
+        size => CHANGE * size,
+    };
+    let trial =
+        |first| Trial { first, change: first, before: None, settled: false, curvature: 0.0 };
+    let mut trials: Vec<Trial> =
+        scene.nearby(&none)?.changed.iter().map(first).map(trial).collect();
+    let at = |trials: &[Trial], part: f64| {
+        scene.nearby(&trials.iter().map(|one| part * one.change).collect::<Vec<_>>())
+    };
+    for _ in 0..TRIALS {
+        let distances = distances(&at(&trials, 1.0)?)?;
+        let pairs = trials.iter_mut().zip(distances);
+        pairs.filter(|(one, _)| !one.settled).for_each(|(one, distance)| one.next(distance));
+        if trials.iter().all(|one| one.settled) {
+            break;
         }
     }
-    Ok(scene.nearby(&changes)?)
+    // Half of a change gives half of a difference, but for its curvature.
+    let slopes = |part: f64| -> Done<Vec<f64>> {
+        let nearby = at(&trials, part)?;
+        let pairs = distances(&nearby)?.into_iter().zip(&nearby.changed);
+        Ok(pairs.map(|(distance, one)| distance / one.change).collect())
+    };
+    let [wholes, halves] = [slopes(1.0)?, slopes(0.5)?];
+    for ((one, whole), half) in trials.iter_mut().zip(wholes).zip(halves) {
+        let curvature = 2.0 * (whole / half - 1.0).abs();
+        match one.curvature == 0.0 && curvature.is_finite() {
+            true if curvature > CURVED => one.give_up(1.0),
+            true => one.curvature = curvature,
+            false => {}
+        }
+    }
+    let mut nearby = at(&trials, 1.0)?;
+    for (changed, one) in nearby.changed.iter_mut().zip(&trials) {
+        changed.curvature = one.curvature;
+    }
+    Ok(nearby)
 }
 
 fn refused(scene: &Scene, message: String) -> Failure {
@@ -181,13 +253,16 @@ fn jumps(scene: &Scene) -> Option<String> {
                      function, such as sqrt(x^2 + d^2)";
         return Some(words.into());
     }
-    let smooth =
-        |phi: &Observable| matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_));
-    let phi = scene.expected.iter().find(|phi| !smooth(phi))?;
+    let phi = scene.expected.iter().find(|phi| !is_smooth(phi))?;
     Some(format!(
         "{} is no smooth function of the state: take one, such as tanh((x - a)/d) for x > a",
         phi.name
     ))
+}
+
+/// Whether an observable is a smooth function of the state.
+pub(crate) fn is_smooth(phi: &Observable) -> bool {
+    matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_))
 }
 
 /// Adds derivatives by parameters: along paths, or by likelihood ratios where paths do not see
@@ -199,7 +274,8 @@ fn with_gradient<'a>(
     let refused = |message| refused(scene, message);
     let jumps = jumps(scene);
     let mut all = Vec::new();
-    for Changed { parameter, change, offset, is_observed, scene: near, .. } in changed {
+    for one in changed {
+        let Changed { parameter, change, offset, curvature, is_observed, scene: near, .. } = one;
         if let (Some(jumps), true) = (&jumps, is_observed) {
             let words = format!(
                 "no derivative by `{parameter}`, which is in what is observed, and {jumps}"
@@ -215,6 +291,7 @@ fn with_gradient<'a>(
             parameter: parameter.clone(),
             change: *change,
             offset: *offset,
+            curvature: *curvature,
             expect: chosen(near)?.0.starting(None),
             observables: near.expected.iter().map(|phi| phi as _).collect(),
         });

@@ -7,6 +7,7 @@ use casimir::{
     systems::run_time::{Op, Weights},
 };
 
+use super::expect::is_smooth;
 use crate::failure::{Done, Failure};
 use scenes::{Changed, Nearby, Observable, Scene};
 
@@ -16,9 +17,10 @@ const CHANGE: f64 = 1e-6;
 /// Scenes near one, with parameters changed by 10⁻⁶ of them.
 pub fn nearby(scene: &Scene) -> Done<Nearby> {
     let none = vec![CHANGE; scene.gradient.len()];
-    let sizes = scene.nearby(&none)?.changed.into_iter().map(|changed| changed.value.abs());
+    let changed = scene.nearby(&none)?.changed;
+    let sizes = changed.iter().map(|changed| (changed.value - changed.offset).abs());
     let changes: Vec<f64> =
-        sizes.map(|size| if size > 2.0 * CHANGE { CHANGE * size } else { CHANGE }).collect();
+        sizes.map(|size| if size > 0.0 { CHANGE * size } else { CHANGE }).collect();
     Ok(scene.nearby(&changes)?)
 }
 
@@ -32,11 +34,17 @@ pub fn slopes<'a>(
     Nearby { scene, changed }: &'a Nearby,
     averaged: fn(&Scene) -> Vec<&Observable>,
 ) -> Done<Vec<Slope<'a>>> {
-    let slope = |Changed { parameter, change, scene: near, .. }: &'a Changed| {
+    let slope = |changed: &'a Changed| {
+        let Changed { parameter, change, is_observed, scene: near, .. } = changed;
         let refused = |why: &str| -> Failure {
             let words = format!("no derivative of averages by `{parameter}`: {why}");
             scene.source.error(None, words).into()
         };
+        let rough =
+            averaged(scene).into_iter().find(|phi| !is_smooth(phi)).filter(|_| *is_observed);
+        if let Some(phi) = rough {
+            return Err(refused(&format!("it is in what is observed, and {} jumps", phi.name)));
+        }
         if scene.problem().y0 != near.problem().y0 {
             return Err(refused("it changes the initial value, and with it the leaf"));
         }

@@ -38,7 +38,16 @@ impl Comparison {
         let ratio = |one: &Candidate, other| one.ratio(other).map_or(String::new(), interval);
         let kept = self.lacks(&taken.keeps, &Keeps::default());
         let mut words = format!("keeps {}", if kept.is_empty() { "nothing" } else { &kept });
+        let cheaper = |one: &Candidate| -> bool {
+            let seconds = one.point().and_then(|point| Some(point.time?.best / point.steps as f64));
+            let Outcome::NotReached { needs } = one.outcome else { return false };
+            let pair = needs.zip(seconds).zip(taken.cost());
+            pair.is_some_and(|((steps, seconds), (cost, ..))| steps * seconds < cost)
+        };
         words += &match taken == least {
+            true if self.candidates.iter().any(cheaper) => {
+                ", and is the cheapest of those that were measured at this error".into()
+            }
             true => ", and is the cheapest".into(),
             false => format!(", and costs {} times {}", ratio(taken, least), least.scheme),
         };

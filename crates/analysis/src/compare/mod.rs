@@ -118,14 +118,20 @@ pub struct ErrorPoint {
     pub lo: f64,
     /// Upper end of the interval, with the error of the reference added.
     pub hi: f64,
-    /// Whether the error of the reference is at most a quarter of `error`. Other points are not
-    /// used.
+    /// Whether the error of the reference is at most a quarter of `error`.
     pub resolved: bool,
     /// Defect (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; `None` if no Casimir is
     /// known.
     pub defect: Option<f64>,
     /// Seconds of processor time of a path, where they were measured.
     pub time: Option<Spread>,
+}
+
+impl ErrorPoint {
+    /// Whether the point is used for a wanted error: its own is resolved, or surely not larger.
+    fn counts(&self, wanted: f64) -> bool {
+        self.resolved || self.hi <= wanted
+    }
 }
 
 /// Paths behind all errors, and the reference.

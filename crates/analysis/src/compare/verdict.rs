@@ -123,7 +123,7 @@ impl Candidate {
 
     /// Measured point next to the wanted error, or the last one.
     pub fn point(&self) -> Option<&ErrorPoint> {
-        let mut resolved = self.points.iter().filter(|point| point.resolved);
+        let mut resolved = self.points.iter().filter(|point| point.counts(self.asked));
         match self.outcome {
             Outcome::Reached { steps, .. } => resolved.find(|point| point.steps as f64 >= steps),
             // Without a resolved point, the distance from a reference that is wrong as well.
@@ -150,7 +150,7 @@ impl Candidate {
 
 /// Judges a scheme by its errors at several numbers of steps, coarsest first.
 fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
-    let resolved: Vec<&ErrorPoint> = points.iter().filter(|point| point.resolved).collect();
+    let resolved: Vec<&ErrorPoint> = points.iter().filter(|point| point.counts(wanted)).collect();
     let Some(last) = resolved.last().copied().or(points.last()) else {
         return Outcome::NotMeasured;
     };
@@ -229,6 +229,17 @@ mod tests {
             defect: None,
             time: Some(Spread { best: time, median: time, worst: time }),
         }
+    }
+
+    /// A reference that is too near to tell the error bounds it.
+    #[test]
+    fn a_scheme_that_is_better_than_its_reference_shows_reaches_the_error() {
+        let close = ErrorPoint { resolved: false, ..point(32, 1e-4) };
+        let points = [point(8, 1e-2), point(16, 2e-3), close];
+        let Outcome::Reached { steps, .. } = outcome(&points, 5e-4) else { panic!("{points:?}") };
+        assert!(16.0 < steps && steps < 32.0, "{steps}");
+        let needs = outcome(&points, 5e-5);
+        assert!(matches!(needs, Outcome::NotReached { needs: Some(_) }), "{needs:?}");
     }
 
     /// A scheme with this cost, to this factor either way.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{fails, json, with_scene};
+use crate::common::{fails, json, run, with_scene};
 
 /// The estimate of a derivative with its half-width, of function number `k`.
 fn derivative(found: &Value, parameter: &str, k: usize) -> [f64; 2] {
@@ -378,6 +378,161 @@ steps = 400
         let arguments = ["equilibrium", "scene.toml", "--gradient", parameter];
         fails(folder.path(), &arguments, 2, &[words]);
     }
+}
+
+/// Equipartition: ⟨q²⟩ = kT/k, in units in which kT is small.
+#[test]
+fn parameters_of_averages_have_any_unit() {
+    let scene = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + k*q^2/2"
+parameters = { k = 1, kT = 1e-9 }
+[bath]
+temperature = "kT"
+friction = { p = 1 }
+[run]
+initial = [0, 0]
+until = 20
+steps = 400
+"#;
+    let folder = with_scene(scene);
+    let of = ["equilibrium", "scene.toml", "--json", "--accuracy", "0.02", "--of", "q^2"];
+    let found = json(folder.path(), &[&of[..], &["--gradient", "kT"]].concat());
+    let [value, half] = derivative(&found, "kT", 0);
+    assert!((value - 1.0).abs() < 1.6 * half && half < 0.1, "{value} ± {half}");
+    // Where a function jumps at the parameter, its law is needed and not its values.
+    let step = scene.replace("kT = 1e-9", "kT = 1");
+    let arguments =
+        ["equilibrium", "scene.toml", "--accuracy", "0.02", "--of", "q>k", "--gradient", "k"];
+    fails(with_scene(&step).path(), &arguments, 2, &["it is in what is observed"]);
+}
+
+/// Large components that θ does not move, and functions in which it is even, at zero.
+#[test]
+fn changes_are_measured_by_what_depends_on_them() {
+    let spectator = r#"
+[system]
+state = ["q", "p", "Q", "P"]
+B = "canonical(q,p)+canonical(Q,P)"
+H0 = "p^2/2 + w*q^2/2 + P^2/2"
+H = ["0.3*q"]
+parameters = { w = 1 }
+[run]
+initial = [1, 0, 1e8, 0]
+until = 2
+steps = 64
+[expect]
+of = ["q"]
+accuracy = 3e-3
+gradient = ["w"]
+"#;
+    // E q = cos √w t, the derivative at 1 is −½t sin t.
+    are(spectator, &[("w", 0, -2f64.sin())]);
+    for (energy, of) in [("k^2*q^2/2", "q"), ("0*q", "q + cos(k*p)")] {
+        let even = spectator
+            .replace("w*q^2/2", energy)
+            .replace("w = 1", "k = 0")
+            .replace("[1, 0, 1e8, 0]", "[100, 0, 0, 0]")
+            .replace("of = [\"q\"]", &format!("of = [\"{of}\"]"))
+            .replace("\"w\"]", "\"k\"]");
+        are(&even, &[("k", 0, 0.0)]);
+    }
+    // A strike that few paths reach: E max(p − a, 0) with p normal, the derivative is −P(p > a).
+    let strike = spectator
+        .replace("w*q^2/2 + P^2/2", "P^2/2")
+        .replace("0.3*q", "0.8*q")
+        .replace("w = 1", "a = 1.8")
+        .replace("[1, 0, 1e8, 0]", "[0, 0, 0, 0]")
+        .replace("until = 2", "until = 1")
+        .replace("of = [\"q\"]", "of = [\"max(p - a, 0)\"]")
+        .replace("\"w\"]", "\"a\"]");
+    are(&strike, &[("a", 0, -0.012_224)]);
+    // A stable oscillator in units of its own does not separate.
+    let si = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/(2*m) + k*q^2/2"
+H = ["1e-13*q"]
+parameters = { m = 1e-15, k = 1e-6 }
+[damping]
+rates = { p = 3e4 }
+[run]
+initial = [1e-7, 0]
+until = 1e-5
+steps = 100
+[expect]
+of = ["q*1e7"]
+accuracy = 1e-2
+"#;
+    let of = ["expect", "scene.toml", "--gradient", "m"];
+    // In seconds, some 10¹³, which is not known to 10⁻² but known.
+    let output = run(with_scene(si).path(), &of);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.code() == Some(1) && said.contains("E[∂q*1e7/∂m]"), "{output:?}");
+}
+
+/// Noises and components of unlike sizes: each is looked at by itself.
+#[test]
+fn likelihood_ratios_see_small_components() {
+    let scene = |energy: &str, noises: &str, of: &str| {
+        format!(
+            r#"
+[system]
+state = ["q1", "p1", "q2", "p2"]
+B = "canonical(q1,p1)+canonical(q2,p2)"
+H0 = "p1^2/2 + {energy}"
+H = [{noises}]
+parameters = {{ s = 0.8, c = 0.5 }}
+[run]
+initial = [0, 0, 0, 0]
+until = 1
+steps = 64
+[expect]
+of = ["{of}"]
+accuracy = 2e-2
+"#
+        )
+    };
+    let fails = |scene: String, parameter: &str, words: &str| {
+        let arguments = ["expect", "scene.toml", "--gradient", parameter];
+        fails(with_scene(&scene).path(), &arguments, 2, &[words]);
+    };
+    let pair = "\"1e5*q1\", \"s*q2\"";
+    fails(scene("p2^2/2 - s*q2", pair, "p2>0.4"), "s", "it changes a noise");
+    let outside = scene("c*p2 - c*1e6*q1", "\"1e6*q1\"", "q2*(p1>0)");
+    fails(outside, "c", "in directions in which no noise acts");
+    // p2 is normal with mean c and deviation s: ∂P(p2 > 0.4)/∂c.
+    let large = "\"1e7*q1\", \"0.8*q2\"";
+    let found =
+        scene("p2^2/2 - c*q2", large, "p2>0.4").replace("2e-2\n", "2e-2\ngradient = [\"c\"]\n");
+    let x: f64 = 0.1 / 0.8;
+    are(&found, &[("c", 0, (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt() / 0.8)]);
+    let heats = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + k*q^2/2"
+parameters = { k = 1 }
+[[bath]]
+temperature = 1
+through = ["q"]
+[[bath]]
+temperature = 2
+through = ["p"]
+[run]
+initial = [0.5, 0]
+until = 1
+steps = 64
+[observe]
+h2 = "integral(heat2)"
+[expect]
+of = ["h2"]
+accuracy = 1e-2
+"#;
+    fails(heats.into(), "k", "which is in what is observed");
 }
 
 /// By quadrature: of ⟨q⟩ and ⟨cq²⟩.

@@ -1,6 +1,7 @@
 //! The program as a user calls it.
 
 mod areas;
+mod asked;
 mod broken;
 mod chains;
 mod citation;

@@ -365,7 +365,12 @@ impl Expressions {
     pub fn have_domain(&self) -> bool {
         let fields = self.fields.concat();
         self.graph.uses(&[&self.hamiltonians[..], &self.field, &fields].concat(), |node| {
-            matches!(node, Node::Unary(Unary::Ln | Unary::Sqrt, _) | Node::Binary(Binary::Div, ..))
+            let divides = |by| self.graph.as_constant(by).is_none_or(|by| by == 0.0);
+            match node {
+                Node::Unary(Unary::Ln | Unary::Sqrt, _) => true,
+                Node::Binary(Binary::Div, _, by) => divides(by),
+                _ => false,
+            }
         })
     }
 

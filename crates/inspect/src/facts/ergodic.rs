@@ -1,6 +1,6 @@
 //! Whether noises reach all of a leaf, and whether e^{−βH₀} has an integral.
 
-use real::elementary::ln;
+use real::elementary::{ln, powi};
 use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
@@ -116,9 +116,11 @@ fn step(probe: &mut Probe<'_>, y: &[f64], weights: &[f64], h: f64) -> (Vec<f64>,
     (to, flow)
 }
 
-/// Radii, in sizes of y₀, and the number of random directions.
-const RADII: [f64; 3] = [10.0, 100.0, 1000.0];
+/// Powers of ten of the radii, in sizes of y₀, and the number of random directions.
+const RADII: std::ops::RangeInclusive<i32> = 1..=12;
 const DIRECTIONS: usize = 64;
+/// Pairs of radii over which what has a period falls at least once.
+const LAST: usize = 6;
 
 /// How H₀ grows from y₀ along components and in random directions.
 pub fn growth(system: &dyn System, y0: &[f64], beta: f64) -> Growth {
@@ -143,17 +145,26 @@ pub fn growth(system: &dyn System, y0: &[f64], beta: f64) -> Growth {
     let size = norm(y0).max(1.0);
     let weights = probe.weights(0);
     for (component, direction) in directions {
-        let points: Batch = RADII.iter().map(|r| moved(y0, size * r, &direction)).collect();
+        let points: Batch =
+            RADII.map(|power| moved(y0, size * powi(10.0, power), &direction)).collect();
         let energies = probe.energy(&points, &weights);
         if energies.iter().any(|energy| energy.is_nan()) {
             return Growth::Unknown;
         }
-        // e^{−βH₀}rᵈ falls.
+        // Far away e^{−βH₀}rᵈ falls; less than that, as with a logarithm, is not looked at.
         let least = (d as f64 + 1.0) * ln(10.0);
-        let grows = |pair: &[f64]| pair[1] == f64::INFINITY || beta * (pair[1] - pair[0]) > least;
-        if !energies.windows(2).all(grows) {
-            return Growth::NotAlong(component);
+        let more = |pair: &[f64]| match pair[1] == f64::INFINITY {
+            true => f64::INFINITY,
+            false => beta * (pair[1] - pair[0]),
+        };
+        let growth: Vec<f64> = energies.windows(2).map(more).collect();
+        if growth.last().is_some_and(|last| *last > least) {
+            continue;
         }
+        return match growth.iter().rev().take(LAST).all(|one| *one > 0.0) {
+            true => Growth::Unknown,
+            false => Growth::NotAlong(component),
+        };
     }
     Growth::Everywhere
 }

@@ -124,6 +124,7 @@ impl Model for Large {
             name: description.name.clone(),
             parameters: description.parameters.clone(),
             noises: description.noises,
+            silent: false,
             y0: self.means.clone(),
             initial: None,
             t_end: self.settings.until,

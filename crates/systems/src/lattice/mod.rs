@@ -143,6 +143,7 @@ impl SpinLattice {
         };
         let (sites, words) = (crystal.sites(), crystal.describe());
         let noises = if local { 3 * sites } else { 3 };
+        let silent = lanes == Lanes::Paths && crystal.materials.iter().all(|of| of.noise == 0.0);
         let mut description = Description {
             parameters: words,
             linearity: Linearity::Affine,
@@ -150,6 +151,7 @@ impl SpinLattice {
             depends_on_time,
             has_bath: damped,
             jacobi_holds: !local,
+            additive: if silent { vec![Some(Vec::new()); noises] } else { Vec::new() },
             parts: exact,
             invariants: match sites {
                 ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],

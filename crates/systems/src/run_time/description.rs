@@ -127,6 +127,13 @@ pub struct Description {
 }
 
 impl Description {
+    /// Whether no noise moves any component, as far as that is known.
+    #[must_use]
+    pub fn is_silent(&self) -> bool {
+        let moves_none = |moved: &Option<Vec<usize>>| moved.as_ref().is_some_and(Vec::is_empty);
+        self.additive.len() == self.noises && self.additive.iter().all(moves_none)
+    }
+
     /// A system on rows of 32 paths in one tile, with noise m in row m, any B, no parts, no
     /// invariants and no guard.
     ///

@@ -70,6 +70,7 @@ fn found(seed: u64, paths: u64, gamma: f64) -> StudyResult {
         name: "OU".into(),
         parameters: String::new(),
         noises: 2,
+        silent: false,
         y0: vec![0.0; 2],
         initial: Some(Initial { law: "stationary".into(), draw: Arc::new(draw) }),
         t_end: T,
