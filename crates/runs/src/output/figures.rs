@@ -167,8 +167,8 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Figure> {
     pairs.iter().map(portrait).collect()
 }
 
-/// Correlations and structure factors of the first path along each axis, at times from the first
-/// to the last.
+/// Correlations and structure factors of the first path along each axis, at the last time and some
+/// before.
 fn spectra(results: &Results) -> Vec<Figure> {
     let [(_, _, times), arrays @ ..] = &results.spectra[..] else { return Vec::new() };
     let between = times.len().saturating_sub(1).div_ceil(SHOWN_TIMES - 1).max(1);
