@@ -141,24 +141,25 @@ const CURVED: f64 = 0.5;
 /// Growth of distances of paths beside which no derivative along them has a mean.
 const GROWTH: f64 = 1e5;
 
-/// The change of a parameter that is sought.
+/// Search for the change of a parameter.
 struct Trial {
+    /// A change of 10⁻⁷ of the parameter.
     first: f64,
     change: f64,
     /// The change and the distance before.
     before: Option<(f64, f64)>,
     settled: bool,
+    /// Part of a difference that curvature adds; one if all of it may be.
     curvature: f64,
 }
 
 impl Trial {
-    /// Takes the first change, by which differences are small whatever they depend on, and does
-    /// not believe them where `curvature` is one.
+    /// Returns to the first change, which is small beside the parameter.
     fn give_up(&mut self, curvature: f64) {
         (self.change, self.settled, self.curvature) = (self.first, true, curvature);
     }
 
-    /// The next trial, from the distance that the change gave.
+    /// Chooses the next change from the distance by the last one, or settles.
     fn next(&mut self, distance: f64) {
         let ([least, most], [lowest, highest]) = (DISTANCES, LINEAR);
         if distance == 0.0 {
@@ -183,8 +184,8 @@ impl Trial {
 }
 
 /// Nearby scenes, each parameter changed so much that states or test functions differ by 10⁻⁷ of
-/// their size. Where differences are no multiples of the change, as k² at k = 0, the change is
-/// small itself.
+/// their size. Where differences do not grow like the change, as those of k² at k = 0, it is 10⁻⁷
+/// of the parameter.
 pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     let growth = chosen(scene)?.0.growth();
     if growth > GROWTH {

@@ -128,7 +128,8 @@ pub struct ErrorPoint {
 }
 
 impl ErrorPoint {
-    /// Whether the point is used for a wanted error: its own is resolved, or surely not larger.
+    /// Whether the point is used for a wanted error: its error is resolved, or its upper end is no
+    /// larger than that.
     fn counts(&self, wanted: f64) -> bool {
         self.resolved || self.hi <= wanted
     }

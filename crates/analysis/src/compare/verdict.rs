@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    /// A reference that is too near to tell the error bounds it.
+    /// Where the reference does not resolve an error, its upper end counts.
     #[test]
     fn a_scheme_that_is_better_than_its_reference_shows_reaches_the_error() {
         let close = ErrorPoint { resolved: false, ..point(32, 1e-4) };
