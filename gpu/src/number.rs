@@ -20,23 +20,23 @@ impl Real for Number {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        self.through("sin_cos", sin_cos).into()
+        Self::through([self], "sin_cos", sin_cos).into()
     }
 
     fn exp(self) -> Self {
-        self.through("exp", exp)[0]
+        Self::through([self], "exp", exp)[0]
     }
 
     fn ln(self) -> Self {
-        self.through("ln", ln)[0]
+        Self::through([self], "ln", ln)[0]
     }
 
     fn sinh(self) -> Self {
-        self.through("sinh_cosh", hyperbolic)[0]
+        Self::through([self], "sinh_cosh", hyperbolic)[0]
     }
 
     fn cosh(self) -> Self {
-        self.through("sinh_cosh", hyperbolic)[1]
+        Self::through([self], "sinh_cosh", hyperbolic)[1]
     }
 
     fn sqrt(self) -> Self {
@@ -62,7 +62,7 @@ impl Real for Number {
 }
 
 /// Sine and cosine.
-fn sin_cos(of: Number) -> [Number; 2] {
+fn sin_cos([of]: [Number; 1]) -> [Number; 2] {
     let x = Number::select(of.size().is("le", SIN_COS_LIMIT), of, of * 0.0);
     let t = x * FRAC_2_PI + ROUND;
     let k = t - ROUND;
@@ -80,7 +80,7 @@ fn sin_cos(of: Number) -> [Number; 2] {
 }
 
 /// Exponential.
-fn exp(of: Number) -> [Number; 1] {
+fn exp([of]: [Number; 1]) -> [Number; 1] {
     const BIASED: f64 = ROUND + 2046.0;
     let x = Number::select(of.is("gt", 710.0), 710.0, of);
     let x = Number::select(x.is("lt", -746.0), -746.0, x);
@@ -95,7 +95,7 @@ fn exp(of: Number) -> [Number; 1] {
 }
 
 /// Logarithm.
-fn ln(of: Number) -> [Number; 1] {
+fn ln([of]: [Number; 1]) -> [Number; 1] {
     const TWO_54: f64 = 18_014_398_509_481_984.0;
     let subnormal = of.is("lt", f64::MIN_POSITIVE);
     let scale = Number::select(subnormal, TWO_54, 1.0);
@@ -113,7 +113,7 @@ fn ln(of: Number) -> [Number; 1] {
 }
 
 /// Hyperbolic sine and cosine.
-fn hyperbolic(of: Number) -> [Number; 2] {
+fn hyperbolic([of]: [Number; 1]) -> [Number; 2] {
     sinh_cosh(of, of.abs()).into()
 }
 

@@ -68,7 +68,7 @@ pub fn line(text: impl Display) {
 /// The kernel `name` with 64-bit parameters, whose lines `body` writes. Functions are written where
 /// they are needed; in a kernel of many lines, which takes seconds to compile, they are called.
 pub fn kernel(name: &str, parameters: &[&str], body: impl Fn()) -> String {
-    const MANY: usize = 4000;
+    const MANY: usize = 3000;
     let written = |calls| {
         with(|text| *text = Text { calls, ..Text::default() });
         body();
@@ -183,31 +183,35 @@ impl Number {
         to
     }
 
-    /// The results of a function of a number, whose lines `body` writes: here, or once.
-    pub fn through<const N: usize>(
-        self,
+    /// The results of a function of numbers, whose lines `body` writes: here, or once.
+    pub fn through<const K: usize, const N: usize>(
+        of: [Self; K],
         name: &'static str,
-        body: fn(Self) -> [Self; N],
+        body: fn([Self; K]) -> [Self; N],
     ) -> [Self; N] {
-        if self.value().is_some() || with(|text| !text.calls) {
-            return body(self);
+        if of.iter().all(|x| x.value().is_some()) || with(|text| !text.calls) {
+            return body(of);
         }
         let list = |of: &[String]| of.join(", ");
         if with(|text| text.functions.iter().all(|(other, _)| *other != name)) {
             let outside = with(std::mem::take);
-            let argument = Self::by("mov.f64", "%x");
+            let inputs: [String; K] = std::array::from_fn(|k| format!("%x{k}"));
+            let arguments = inputs.each_ref().map(|input| Self::by("mov.f64", input));
             let outputs: [String; N] = std::array::from_fn(|k| format!("%y{k}"));
-            let results = body(argument);
+            let results = body(arguments);
             outputs
                 .iter()
                 .zip(results)
                 .for_each(|(to, y)| line(format_args!("mov.f64 {to}, {y};")));
             line("ret;");
             let inside = with(|text| std::mem::replace(text, outside));
-            let declared = outputs.map(|output| format!(".reg .f64 {output}"));
+            let declared = |names: &[String]| {
+                list(&names.iter().map(|of| format!(".reg .f64 {of}")).collect::<Vec<_>>())
+            };
             let function = format!(
-                ".func ({}) {name} (.reg .f64 %x)\n{{\n{}{}}}\n\n",
-                list(&declared),
+                ".func ({}) {name} ({})\n{{\n{}{}}}\n\n",
+                declared(&outputs),
+                declared(&inputs),
                 inside.registers(),
                 inside.lines,
             );
@@ -215,7 +219,8 @@ impl Number {
         }
         let results = [(); N].map(|()| Self::new());
         let names = results.map(|result| result.to_string());
-        line(format_args!("call ({}), {name}, ({self});", list(&names)));
+        let of = of.map(|x| if x.value().is_some() { x.copied() } else { x }.to_string());
+        line(format_args!("call ({}), {name}, ({});", list(&names), list(&of)));
         results
     }
 
@@ -308,7 +313,9 @@ impl Mul for Number {
 impl Div for Number {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        self.two(other, "div.rn.f64", |a, b| a / b)
+        let divide = |[a, b]: [Self; 2]| [a.two(b, "div.rn.f64", |a, b| a / b)];
+        let [quotient] = Self::through([self, other], "divide", divide);
+        quotient
     }
 }
 

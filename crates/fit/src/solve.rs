@@ -37,7 +37,9 @@ pub enum FitError<E> {
     #[error("the model has no moments")]
     Model(E),
     /// There are too few moments.
-    #[error("{parameters} parameters take as many moments that vary, got {moments}")]
+    #[error(
+        "{parameters} parameters take as many moments that vary independently, got {moments}: give more, or start where the model has them"
+    )]
     Few {
         /// Number of parameters.
         parameters: usize,
@@ -45,7 +47,9 @@ pub enum FitError<E> {
         moments: usize,
     },
     /// Moments are infinite or not a number.
-    #[error("a moment of the model or a derivative is not finite at {0}")]
+    #[error(
+        "a moment of the model or a derivative is not finite at {0}: start nearer to the parameters, or take more steps"
+    )]
     NotFinite(String),
     /// A combination of the parameters changes no moment, by more than Monte Carlo errors.
     #[error("{words}")]
@@ -208,6 +212,9 @@ pub fn fit<E>(
         };
         let mut fit = judged(&to, &names, &found, effort);
         fit.evaluations = evaluations;
+        if !fit.is_finite() {
+            return Err(not_finite(&names, &found.theta));
+        }
         if settings.stop.is_asked() {
             return Ok(stopped(fit));
         }
@@ -275,11 +282,22 @@ fn of_model(data: &Data, mean: &Replicate) -> Option<Whitening> {
 }
 
 impl Fit {
+    /// Whether χ² and all intervals are finite, which overflow where the search is lost.
+    fn is_finite(&self) -> bool {
+        let widths = (0..self.values.len()).map(|k| self.half_width(k));
+        widths.chain([self.chi_square]).all(f64::is_finite)
+    }
+
     fn failed(&self, found: &Point) -> Option<Warning> {
         let (failed, all) = (found.mean.failed, self.effort.all_paths());
         let what = format!("{failed} of {all} paths failed and are in no moment");
         (failed > 0).then(|| Warning::new(what).with_remedy("take more steps"))
     }
+}
+
+fn not_finite<E>(names: &[String], theta: &[f64]) -> FitError<E> {
+    let pairs = names.iter().zip(theta).map(|(name, value)| format!("{name} = {value}"));
+    FitError::NotFinite(pairs.collect::<Vec<_>>().join(", "))
 }
 
 /// Moments at θ in units of the errors of the data.
@@ -294,10 +312,8 @@ fn point<E>(
     let residual = to.vector(&minus(&values, &mean.values));
     let slopes = to.columns(&mean.slopes);
     let finite = residual.is_all_finite() && slopes.is_all_finite();
-    let singular = Singular::of(&slopes).filter(|_| finite).ok_or_else(|| {
-        let pairs = names.iter().zip(theta).map(|(name, value)| format!("{name} = {value}"));
-        FitError::NotFinite(pairs.collect::<Vec<_>>().join(", "))
-    })?;
+    let singular = Singular::of(&slopes).filter(|_| finite);
+    let singular = singular.ok_or_else(|| not_finite(names, theta))?;
     Ok(Point { theta: theta.to_vec(), replicates, mean, residual, slopes, singular })
 }
 

@@ -11,8 +11,8 @@ use super::{
     chains::{Chains, Living, moments},
     growth::{unsettled, wander},
     rules::{
-        ALIKE, BIAS_ENOUGH, BIAS_PART, DRIFTS, EXCEEDS, FORECAST, MARGIN, MIN_FALL, MIN_LENGTH,
-        NEGLIGIBLE, WIDER,
+        ALIKE, APART, BIAS_ENOUGH, BIAS_PART, DRIFTS, EXCEEDS, FORECAST, MARGIN, MIN_FALL,
+        MIN_LENGTH, NEGLIGIBLE, WIDER,
     },
     wells::{Watched, Well},
 };
@@ -285,6 +285,12 @@ impl Averages {
         let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
         let drifts =
             (burn_in.is_none() && means.iter().take(settling).any(settles)).then_some(drifts);
+        let is_short = !is_average && watched.dimension > 1 && time * accuracy < APART;
+        let mixed = is_short.then(|| {
+            let length = format!("chains should have a length of {}", short(APART / accuracy));
+            Warning::new("directions whose exponents differ by the accuracy are not apart yet")
+                .with_reason(length)
+        });
         let all = settings.blocks_of_chains();
         let failed = all - live as u64;
         let fails = failed > 0;
@@ -325,7 +331,7 @@ impl Averages {
             burn_in: time * first as f64 / batches as f64,
             spent: chains.spent,
             failure: chains.failure.clone(),
-            unknown: drifts.into_iter().chain(failed).collect(),
+            unknown: drifts.into_iter().chain(failed).chain(mixed).collect(),
             fails,
             wanted,
         }
@@ -497,7 +503,11 @@ impl fmt::Display for Averages {
                 let (lo, hi) = mean.interval();
                 let (sign, end) = if mean.mean > 0.0 { ("≤", hi) } else { ("≥", lo) };
                 let end = written(end, half_width);
-                writeln!(f, "  {name} {sign} {end}: growth may be that of a power of t, so far")?;
+                let why = match lo <= 0.0 && 0.0 <= hi {
+                    true => "growth may be that of a power of t, so far",
+                    false => "growth changes with time",
+                };
+                writeln!(f, "  {name} {sign} {end}: {why}")?;
             }
             if let Some(why) = &mean.unknown {
                 writeln!(f, "  cannot tell: {why}")?;

@@ -55,6 +55,9 @@ pub const NEGLIGIBLE: f64 = 1e-3;
 /// is within reach is given up.
 pub const FORECAST: f64 = 1.0 / 64.0;
 pub const MARGIN: f64 = 2.0;
+/// Least length of a chain for exponents, over that in which directions whose exponents differ by
+/// the accuracy part by a factor e. Shorter ones average over directions.
+pub const APART: f64 = 3.0;
 
 // Wells.
 

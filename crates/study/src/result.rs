@@ -195,7 +195,8 @@ fn lasts(Series { observable, kind, points }: &Series) -> Option<Warning> {
     let large =
         |point: &&Summary| point.mean_interval.is_some_and(|(lo, hi)| lo > SMALL || hi < -SMALL);
     (late.iter().filter(large).count() > late.len() / 10).then(|| {
-        let to = points[points.len() - 1].time;
+        // Without rounding errors.
+        let to = format!("{:.9e}", points[points.len() - 1].time).parse().unwrap_or(f64::NAN);
         let what = format!("{observable} is not small up to a lag of {to}");
         let why = "peaks of its spectrum are broader and lower than they should be";
         Warning::new(what).with_reason(why).with_remedy("take a longer time")

@@ -25,8 +25,8 @@ struct Line {
 struct Routine {
     lines: Vec<(Op, Line)>,
     registers: usize,
-    /// Places of the argument and of the results after it.
-    argument: usize,
+    /// Places of the arguments, two at most, and of the results after them.
+    arguments: usize,
 }
 
 /// A kernel, after the functions that it calls.
@@ -130,7 +130,7 @@ impl Kernel {
 
     /// Runs one thread on memory by address.
     fn run(&self, thread: u64, parameters: &[u64; 7], memory: &mut Memory<'_>) {
-        self.execute(self.0.len() - 1, 0, (thread, parameters), memory);
+        self.execute(self.0.len() - 1, [0; 2], (thread, parameters), memory);
     }
 }
 
@@ -141,12 +141,12 @@ impl Routine {
             ptx[at + kind.len() + 2..].split('>').next().unwrap().parse::<usize>().unwrap()
         };
         let (numbers, words, conditions) = (count("f"), count("w"), count("p"));
-        let argument = numbers + words + conditions + 5;
+        let arguments = numbers + words + conditions + 5;
         let register = |name: &str| -> usize {
             let place = || name[2..].parse::<usize>().unwrap();
             match &name[..2] {
-                "%x" => argument,
-                "%y" => argument + 1 + place(),
+                "%x" => arguments + place(),
+                "%y" => arguments + 2 + place(),
                 "%f" => place(),
                 "%w" => numbers + place(),
                 "%p" => numbers + words + place(),
@@ -199,16 +199,18 @@ impl Routine {
             match kind {
                 Op::Jump => line.target = labels[parts[0]],
                 Op::Return => {}
-                // call (results in a row), name, (argument)
+                // call (results in a row), name, (arguments)
                 Op::Call => {
                     let inside = |text: &str| text.trim_matches(['(', ')']).to_string();
-                    let results = parts.len() - 2;
+                    let results = 1 + parts.iter().position(|part| part.ends_with(')')).unwrap();
                     line.to = register(&inside(parts[0]));
                     for (k, part) in parts[..results].iter().enumerate() {
                         assert_eq!(register(&inside(part)), line.to + k);
                     }
                     line.target = names.iter().position(|of| of == parts[results]).unwrap();
-                    line.from[0] = operand(&inside(parts[results + 1]));
+                    for (part, place) in parts[results + 1..].iter().zip(&mut line.from) {
+                        *place = operand(&inside(part));
+                    }
                     line.offset = results as u64;
                 }
                 Op::Parameter => {
@@ -236,7 +238,7 @@ impl Routine {
             (kind, line)
         };
         let lines = lines.iter().map(line).collect();
-        Self { lines, registers: argument + 3, argument }
+        Self { lines, registers: arguments + 4, arguments }
     }
 }
 
@@ -245,14 +247,14 @@ impl Kernel {
     fn execute(
         &self,
         routine: usize,
-        argument: u64,
+        arguments: [u64; 2],
         of_thread: (u64, &[u64; 7]),
         memory: &mut Memory<'_>,
     ) -> [u64; 2] {
         let routine = &self.0[routine];
         let (thread, parameters) = of_thread;
         let mut registers = vec![0u64; routine.registers];
-        registers[routine.argument] = argument;
+        registers[routine.arguments..][..2].copy_from_slice(&arguments);
         let mut at = 0;
         while let Some((op, line)) = routine.lines.get(at) {
             at += 1;
@@ -305,14 +307,14 @@ impl Kernel {
                     continue;
                 }
                 Op::Call => {
-                    let results = self.execute(line.target, bits(0), of_thread, memory);
+                    let results = self.execute(line.target, [bits(0), bits(1)], of_thread, memory);
                     for (k, result) in results.iter().enumerate().take(line.offset as usize) {
                         registers[line.to + k] = *result;
                     }
                     continue;
                 }
                 Op::Return => {
-                    return [1, 2].map(|k| registers[routine.argument + k]);
+                    return [2, 3].map(|k| registers[routine.arguments + k]);
                 }
             };
             registers[line.to] = value;

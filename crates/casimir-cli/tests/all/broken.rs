@@ -98,6 +98,8 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "[1.0, 0.5]", "\"states.txt\"", "line 11, column 11", "cannot read the states states.txt"),
     (OSCILLATOR, "[1.0, 0.5]", "[\"z1\", \"1/(z2 - z2)\"]", "line 11, column 21", "division by zero"),
     // Systems of the project.
+    (BODY, "noise = [1, 2, 3]", "noise = [1, 0, 3]", "line 3, column 49",
+        "`noise` must be positive and finite, got 0"),
     (BODY, "rigid-body", "rigid-bodi", "line 2, column 8", "the nearest is `rigid-body`"),
     (BODY, "[2, 1, \"2/3\"]", "[2, 1]", "line 3, column 26", "has three numbers, got 2"),
     (BODY, "noise = [1", "noises = [1", "line 3, column 41", "there are inertia, noise"),

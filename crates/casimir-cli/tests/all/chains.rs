@@ -142,6 +142,27 @@ fn tangent_vectors_are_in_no_subspace_that_a_system_keeps() {
     assert!(told["reached"] == true && number(&told, 0, "half_width") < 1e-2, "{told:#}");
 }
 
+/// Two pairs that stretch by e^{0.1t} and e^{0.05t}, each with noise: chains that are shorter than
+/// both need to part have an exponent between (0.065 to 0.076 ± 0.008 in four seeds).
+#[test]
+fn the_leading_direction_is_found_among_split_ones() {
+    let scene = r#"
+[system]
+state = ["q1", "q2", "p1", "p2"]
+B = "canonical"
+H0 = "0.1*q1*p1 + 0.05*q2*p2"
+H = ["0.3*q1*p1", "0.3*q2*p2"]
+[run]
+initial = [1, 1, 1, 1]
+until = 10
+steps = 200
+"#;
+    for seed in ["1", "2"] {
+        let told = found(scene, "lyapunov", &["--seed", seed]);
+        assert!(contains(&told, 0, 0.1) && told["reached"] == true, "{told:#}");
+    }
+}
+
 /// All chains have the same phase, so that no standard error shows where in its period ln|v| ends:
 /// without its range the interval is −0.1954 ± 0.0031.
 #[test]

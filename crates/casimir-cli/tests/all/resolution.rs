@@ -118,6 +118,21 @@ fn a_path_has_digits_where_it_passes_zero() {
     assert!(said.contains("no digit along a path of q is right"), "{said}");
 }
 
+/// A step turns by a quarter of a radian: r(s) = cos s·e^{−s/4} has the phase error of the step, which
+/// no value at the end shows.
+#[test]
+fn step_errors_of_correlations_are_named() {
+    let scene = "[system]\nstate = ['q', 'p']\nB = 'canonical'\nH0 = '(p^2 + q^2)/2'\n[bath]\n\
+                 temperature = 1\nfriction = { p = 0.5 }\n[run]\ninitial = ['z1', 'z2']\nuntil = 32\n\
+                 steps = 128\ntimes = 128\npaths = 2000\n[statistics]\nautocorrelation = ['q']\n";
+    let words =
+        "the step errors of autocorrelation and spectrum may exceed the sampling errors: of q";
+    let said = says(scene);
+    assert!(said.contains(words), "{said}");
+    let said = says(&scene.replace("steps = 128", "steps = 4096"));
+    assert!(!said.contains("step errors of autocorrelation"), "{said}");
+}
+
 #[test]
 fn random_initial_values_have_a_spread_of_step_errors() {
     // q turns by w·T with w up to 40: means are wrong by what one path does not tell.

@@ -2,11 +2,12 @@
 
 use casimir::{
     analysis::{
-        STIFF,
+        STIFF, StepCheck,
         StepError::{self, About, Below, CannotTell, Fine},
         StepErrors, TURN,
     },
     stats::Warning,
+    study::{Series, Summary},
 };
 
 use crate::Results;
@@ -52,7 +53,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let mut lines = Vec::new();
     let steps = scene.settings.steps;
     let more = |times: f64| digits((steps as f64 * times).ceil());
-    let half = match check.blocks {
+    let half = &match check.blocks {
         Some(time) => format!("{} blocks of t = {} with half the step", check.paths, rough(time)),
         None => format!("{} paths with half the step", check.paths),
     };
@@ -165,8 +166,31 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
         let what = format!("cannot tell the step error of {}", hidden.join(", "));
         lines.push(Warning::new(what).with_reason(why));
     }
+    lines.extend(along_lags(results, scene, check).map(|line| line.with_reason(half)));
     lines.extend(failed);
     lines
+}
+
+/// Autocorrelations, with their spectra, whose step errors may exceed their sampling errors: by the
+/// inequality of Cauchy and Schwarz a correlation with the past has at most the error that paths
+/// have, in deviations.
+fn along_lags(results: &Results, scene: &Scene, check: &StepCheck) -> Option<Warning> {
+    let study = results.study.as_ref()?;
+    let of = |(&k, series): (&usize, &[Series])| {
+        let half_width = |point: &Summary| point.mean_interval.map(|(lo, hi)| 0.5 * (hi - lo));
+        let sampling = series[0].points.iter().filter_map(half_width).fold(0.0, f64::max);
+        let errors = check.observables.get(k)?;
+        let bound = errors.mean.of_error * errors.along_paths / errors.deviation.value;
+        (bound > sampling && bound < f64::INFINITY)
+            .then(|| format!("{} (up to {})", errors.observable, rough(bound)))
+    };
+    let wide: Vec<_> =
+        scene.wanted.lagged.iter().zip(study.lagged.chunks(2)).filter_map(of).collect();
+    let what = format!(
+        "the step errors of autocorrelation and spectrum may exceed the sampling errors: of {}",
+        wide.join(", of ")
+    );
+    (!wide.is_empty()).then(|| Warning::new(what).with_remedy("take more steps"))
 }
 
 /// Formats a size with two digits.

@@ -87,7 +87,11 @@ fn rigid_body(reading: &Reading<'_>) -> Read<Built> {
     reading.know(&["inertia", "noise"])?;
     let inertia = reading.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
     let wrong = |error: SystemError| reading.error("inertia", error);
-    match reading.list("noise", &[1.0, 2.0, 3.0])?[..] {
+    let noise = reading.list("noise", &[1.0, 2.0, 3.0])?;
+    if let Some(least) = noise.iter().find(|b| !(**b > 0.0 && b.is_finite())) {
+        refuse!(reading.place("noise"), "`noise` must be positive and finite, got {least}");
+    }
+    match noise[..] {
         [noise] => built(reading, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
         [a, b, c] => built(reading, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?),
         ref list => {
