@@ -38,7 +38,8 @@ pub enum FitError<E> {
     Model(E),
     /// There are too few moments.
     #[error(
-        "{parameters} parameters take as many moments that vary independently, got {moments}: give more, or start where the model has them"
+        "{parameters} parameters take as many moments that vary independently, got {moments}: give \
+         more, or start where the model has them"
     )]
     Few {
         /// Number of parameters.
@@ -48,7 +49,8 @@ pub enum FitError<E> {
     },
     /// Moments are infinite or not a number.
     #[error(
-        "a moment of the model or a derivative is not finite at {0}: start nearer to the parameters, or take more steps"
+        "a moment of the model or a derivative is not finite at {0}: start nearer to the \
+         parameters, or take more steps"
     )]
     NotFinite(String),
     /// A combination of the parameters changes no moment, by more than Monte Carlo errors.
@@ -212,14 +214,14 @@ pub fn fit<E>(
         };
         let mut fit = judged(&to, &names, &found, effort);
         fit.evaluations = evaluations;
-        if !fit.is_finite() {
+        let unseen = unidentified(&to, &names, &found);
+        if unseen.is_none() && !fit.is_finite() {
             return Err(not_finite(&names, &found.theta));
         }
         if settings.stop.is_asked() {
             return Ok(stopped(fit));
         }
         theta = found.theta.clone();
-        let unseen = unidentified(&to, &names, &found);
         let mut next = effort;
         for k in 0..parameters {
             let whole = fit.covariance[k][k];

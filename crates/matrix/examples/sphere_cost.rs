@@ -1,8 +1,10 @@
-//! `cargo run --release -p casimir-matrix --features measuring --example sphere_cost`: seconds of the processor, errors and drifts of Euler's equations on the sphere up to T:
-//! `sphere_cost FOLDER T N…` writes the initial and the last matrices there, for
-//! `examples/isospectral.py`, and prints a table; `sphere_cost drift STEPS N…` the changes of tr Wᵏ
-//! after so many steps with noise and τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|;
-//! `sphere_cost threads TURNS N…` the least time of a step on one thread and on two, by turns.
+//! Seconds of the processor, errors and drifts of Euler's equations on the sphere up to T.
+//!
+//! `cargo run --release -p casimir-matrix --features measuring --example sphere_cost --` takes
+//! `FOLDER T N…`, writes the initial and the last matrices there, for `examples/isospectral.py`, and
+//! prints a table; or `drift STEPS N…`, for the changes of tr Wᵏ after so many steps with noise and
+//! τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|; or `threads TURNS N…`, for the least time of
+//! a step on one thread and on two, by turns.
 
 use std::{
     error::Error,

@@ -53,7 +53,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let mut lines = Vec::new();
     let steps = scene.settings.steps;
     let more = |times: f64| digits((steps as f64 * times).ceil());
-    let half = &match check.blocks {
+    let half = match check.blocks {
         Some(time) => format!("{} blocks of t = {} with half the step", check.paths, rough(time)),
         None => format!("{} paths with half the step", check.paths),
     };
@@ -166,7 +166,8 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
         let what = format!("cannot tell the step error of {}", hidden.join(", "));
         lines.push(Warning::new(what).with_reason(why));
     }
-    lines.extend(along_lags(results, scene, check).map(|line| line.with_reason(half)));
+    let lagged = along_lags(results, scene, check);
+    lines.extend(lagged.map(|line| line.with_reason(format!("by {half}"))));
     lines.extend(failed);
     lines
 }

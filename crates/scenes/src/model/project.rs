@@ -88,8 +88,8 @@ fn rigid_body(reading: &Reading<'_>) -> Read<Built> {
     let inertia = reading.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
     let wrong = |error: SystemError| reading.error("inertia", error);
     let noise = reading.list("noise", &[1.0, 2.0, 3.0])?;
-    if let Some(least) = noise.iter().find(|b| !(**b > 0.0 && b.is_finite())) {
-        refuse!(reading.place("noise"), "`noise` must be positive and finite, got {least}");
+    if let Some(b) = noise.iter().find(|b| !(**b > 0.0 && b.is_finite())) {
+        refuse!(reading.place("noise"), "`noise` must be positive and finite, got {b}");
     }
     match noise[..] {
         [noise] => built(reading, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
