@@ -1,10 +1,17 @@
 //! From a graph to instructions: powers written out, operations joined, rows allocated by liveness.
 
-use std::{collections::HashMap, ops::Range};
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+};
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, place},
+    graph::{
+        Binary, Graph, Node,
+        Unary::{Cos, Sin},
+        place,
+    },
     instruction::{Instruction, MAX_ROWS, OUT, Operation, Place, SCRATCH},
     join::{Joined, joined},
     uniform::{Numbers, ONE, uniform},
@@ -23,13 +30,14 @@ pub fn compile(
 ) -> (Vec<Instruction>, Numbers, usize) {
     let (graph, outputs) = lowered(graph, outputs);
     let uniform = uniform(&graph, uniform_inputs);
-    let steps = joined(&graph, &outputs, &uniform);
+    let mut steps = joined(&graph, &outputs, &uniform);
     let taken = steps.iter().flatten().flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
     // Few values stay in the cache in any order. As made, neighbours seldom wait for one another.
     let is_short = graph.size() <= SHORT;
     let order = if is_short { graph.ids().collect() } else { by_results(&steps, &outputs) };
+    let order = sines_beside_cosines(&mut steps, order);
     let mut last_use = vec![0; graph.size()];
     for (n, &id) in order.iter().enumerate() {
         let operands = steps[id.index()].iter().flat_map(|step| &step.operands);
@@ -114,6 +122,38 @@ fn by_results(steps: &[Option<Joined>], outputs: &[Id]) -> Vec<Id> {
         }
     }
     order
+}
+
+/// The order with every cosine after the sine of the same expression, if there is one, both where
+/// the first of them was.
+fn sines_beside_cosines(steps: &mut [Option<Joined>], order: Vec<Id>) -> Vec<Id> {
+    let mut pairs: HashMap<Id, [Option<Id>; 2]> = HashMap::new();
+    for (n, step) in steps.iter().enumerate() {
+        if let Some(Joined { operation: Operation::Of(function @ (Sin | Cos)), operands, .. }) =
+            step
+        {
+            let pair = pairs.entry(operands[0]).or_default();
+            pair[usize::from(*function == Cos)] = Some(Id::at(n));
+        }
+    }
+    let mut pair_of = HashMap::new();
+    for pair in pairs.into_values() {
+        if let [Some(sine), Some(cosine)] = pair {
+            pair_of.extend([sine, cosine].map(|id| (id, [sine, cosine])));
+            if let Some(step) = &mut steps[sine.index()] {
+                step.operation = Operation::SinBesideCos;
+            }
+        }
+    }
+    let (mut beside, mut seen) = (Vec::with_capacity(order.len()), HashSet::new());
+    for id in order {
+        match pair_of.get(&id) {
+            None => beside.push(id),
+            Some(pair) if seen.insert(pair[0]) => beside.extend(pair),
+            Some(_) => {}
+        }
+    }
+    beside
 }
 
 /// The expressions in a new graph, with powers written out as products.

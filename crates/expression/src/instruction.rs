@@ -13,6 +13,8 @@ pub enum Operation {
     Copy,
     Fill,
     Of(Unary),
+    /// The sine, where the next instruction is the cosine of the same row: [`run`] computes both.
+    SinBesideCos,
     Mul,
     Scale,
     Div,
@@ -79,6 +81,7 @@ macro_rules! operations {
     ($then:ident) => {
         $then! {
             of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
+            SinBesideCos, [a], [] => Real::sin(a);
             Copy, [a], [] => a;
             Fill, [], [k] => k;
             Mul, [a b], [k] => (a * b) * k;
@@ -133,8 +136,24 @@ pub fn run<const W: usize>(
     scratch: &mut [[f64; W]],
 ) {
     use {Operation::*, Unary::*};
-    for instruction in code {
+    let mut rest = code.iter();
+    while let Some(instruction) = rest.next() {
         let Instruction { operation, to, from, numbers: at } = instruction;
+        if let (SinBesideCos, Some(next)) = (operation, rest.as_slice().first()) {
+            let a = find(from.first(), inputs, scratch, out);
+            let (mut sine, mut cosine) = ([0.0; W], [0.0; W]);
+            for p in 0..W {
+                let (s, c) = Real::sin_cos(a[p]);
+                sine[p] = s;
+                cosine[p] = c;
+            }
+            let bank = if to.bank == OUT { &mut *out } else { &mut *scratch };
+            bank[to.row as usize] = sine;
+            let bank = if next.to.bank == OUT { &mut *out } else { &mut *scratch };
+            bank[next.to.row as usize] = cosine;
+            rest.next();
+            continue;
+        }
         // A plain loop over lanes for each operation. The result is a value that overlaps with no
         // operand, and so the compiler vectorises the loop and keeps the result in registers.
         macro_rules! on_lanes {

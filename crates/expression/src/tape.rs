@@ -12,6 +12,11 @@ use crate::{
     uniform::Numbers,
 };
 
+/// Most groups of inputs.
+const MAX_GROUPS: usize = 8;
+/// Rows of scratch that a single point has on the stack.
+const FEW: usize = 32;
+
 /// Some expressions of a graph, ready to be evaluated on 32 points at a time.
 ///
 /// The inputs of the graph are divided into groups, for example y and v: a group is a slice of
@@ -50,7 +55,7 @@ impl Tape {
     /// The tape of `outputs`. Each group of inputs is a range of inputs of the graph.
     ///
     /// # Panics
-    /// If an input that is used is in no group.
+    /// If an input that is used is in no group, or if there are more than eight groups.
     #[must_use]
     pub fn new(graph: &Graph, outputs: &[Id], groups: &[Range<usize>]) -> Self {
         Self::with_numbers(graph, outputs, groups, 0..0)
@@ -69,6 +74,7 @@ impl Tape {
             Some(Place { bank: bank as u32, row: (k - groups[bank].start) as u32 })
         };
         let (code, numbers, scratch) = compile(graph, outputs, place, &numbers);
+        assert!(groups.len() <= MAX_GROUPS, "a tape has up to {MAX_GROUPS} groups of inputs");
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
     }
@@ -129,10 +135,21 @@ impl Tape {
     /// # Panics
     /// Unless `inputs` and `out` have a number for each input and result of the tape.
     pub fn evaluate_one(&self, inputs: &[&[f64]], out: &mut [f64]) {
-        let inputs: Vec<&[[f64; 1]]> = inputs.iter().map(|group| group.as_chunks().0).collect();
-        let mut scratch = vec![[0.0]; self.scratch];
-        self.check(&inputs, out.len(), scratch.len());
-        run(&self.code, self.numbers.values(), &inputs, out.as_chunks_mut().0, &mut scratch);
+        assert_eq!(inputs.len(), self.inputs.len(), "groups of inputs of a tape");
+        // On the stack where that is enough: rates of damping are evaluated a million times.
+        let (mut groups, mut few, mut many) = ([&[][..]; MAX_GROUPS], [[0.0]; FEW], Vec::new());
+        for (group, input) in groups.iter_mut().zip(inputs) {
+            *group = input.as_chunks().0;
+        }
+        let scratch = if self.scratch <= FEW {
+            &mut few[..]
+        } else {
+            many.resize(self.scratch, [0.0]);
+            &mut many
+        };
+        let groups = &groups[..inputs.len()];
+        self.check(groups, out.len(), scratch.len());
+        run(&self.code, self.numbers.values(), groups, out.as_chunks_mut().0, scratch);
     }
 
     fn check<R>(&self, inputs: &[&[R]], out: usize, scratch: usize) {

@@ -24,10 +24,10 @@ pub fn ln_gamma(x: f64) -> f64 {
 }
 
 /// Continued fraction 1/(1 + a₁/(1 + a₂/(1 + …))) by the method of Lentz, with a_k = `a(k)`.
-fn fraction(a: impl Fn(f64) -> f64) -> f64 {
+fn fraction(a: impl Fn(u32) -> f64) -> f64 {
     let (mut value, mut c, mut d) = (1.0, 1.0, 0.0);
     for k in 1..=MAX_TERMS {
-        let a = a(f64::from(k));
+        let a = a(k);
         d = 1.0 / (1.0 + a * d);
         c = 1.0 + a / c;
         value *= c * d;
@@ -47,8 +47,8 @@ pub fn gamma_above(a: f64, x: f64) -> f64 {
     let factor = exp(a * ln(x) - x - ln_gamma(a));
     if x > a + 1.0 {
         // Γ(a, x) = e^{−x}x^{a−1}/(1 + ((1 − a)/x)/(1 + (1/x)/(1 + ((2 − a)/x)/(1 + …)))).
-        let term = |k: f64| (if k % 2.0 == 1.0 { 0.5 * (k + 1.0) - a } else { 0.5 * k }) / x;
-        return factor / x * fraction(term);
+        let up = |k: u32, m| if k.is_multiple_of(2) { m } else { m + 1.0 - a };
+        return factor / x * fraction(|k| up(k, f64::from(k / 2)) / x);
     }
     let (mut term, mut sum) = (1.0 / a, 1.0 / a);
     for k in 1..=MAX_TERMS {
@@ -70,10 +70,10 @@ pub fn beta_below(a: f64, b: f64, [x, y]: [f64; 2]) -> f64 {
         return 1.0 - beta_below(b, a, [y, x]);
     }
     let ln_beta = ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
-    let term = |k: f64| {
-        let m = (0.5 * k).floor();
-        let up = if k % 2.0 == 0.0 { m * (b - m) } else { -(a + m) * (a + b + m) };
-        up * x / ((a + k - 1.0) * (a + k))
+    let term = |k: u32| {
+        let (m, n) = (f64::from(k / 2), f64::from(k));
+        let up = if k.is_multiple_of(2) { m * (b - m) } else { -(a + m) * (a + b + m) };
+        up * x / ((a + n - 1.0) * (a + n))
     };
     exp(a * ln(x) + b * ln(y) - ln_beta) / a * fraction(term)
 }

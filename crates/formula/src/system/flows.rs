@@ -626,6 +626,8 @@ fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
     // Of half of the angle, so that nothing cancels.
     let half = graph.scale(time, 0.5);
     let [odd, even] = functions.map(|function| graph.unary(function, half));
-    let twice = graph.scale(odd, 2.0);
-    [graph.mul(twice, even), graph.mul(twice, odd)]
+    [even, odd].map(|other| {
+        let product = graph.mul(odd, other);
+        graph.scale(product, 2.0)
+    })
 }

@@ -185,6 +185,37 @@ fn results_may_be_inputs_constants_and_each_other() {
     assert_eq!(tape.scratch_rows(), 0);
 }
 
+/// The two are one computation, wherever their results go; a sine alone stays so.
+#[test]
+fn a_sine_stands_beside_its_cosine() {
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(0), graph.input(1));
+    let sum = graph.add(x, y);
+    let [cosine, inner] = [sum, x].map(|of| graph.unary(Unary::Cos, of));
+    let product = graph.mul(cosine, inner);
+    let [sine, outer, alone] = [sum, x, y].map(|of| graph.unary(Unary::Sin, of));
+    let both = graph.mul(outer, product);
+    let tape = Tape::new(&graph, &[both, sine, alone, cosine], &[0..1, 1..2]);
+    let names: Vec<String> = tape.instructions().iter().map(|one| format!("{one:?}")).collect();
+    let is = |n: usize, operation: &str| names[n].contains(&format!("operation: {operation},"));
+    let sines: Vec<usize> = (0..names.len()).filter(|&n| is(n, "SinBesideCos")).collect();
+    assert_eq!((sines.len(), names.len()), (2, 8), "{names:?}");
+    assert!(sines.iter().all(|&n| is(n + 1, "Of(Cos)")), "{names:?}");
+
+    let point = |p: usize| [0.37 * p as f64 - 5.0, (p * p) as f64];
+    let rows: [[f64; 32]; 2] = [0, 1].map(|k| std::array::from_fn(|p| point(p)[k]));
+    let out = tape.rows(&[&rows[..1], &rows[1..]]);
+    for p in 0..32 {
+        let [x, y] = point(p);
+        let ((sine, cosine), (outer, inner)) = (elementary::sin_cos(x + y), elementary::sin_cos(x));
+        let exact = [outer * (cosine * inner), sine, elementary::sin(y), cosine];
+        let mut one = [0.0; 4];
+        tape.evaluate_one(&[&[x], &[y]], &mut one);
+        assert_eq!(one.map(f64::to_bits), exact.map(f64::to_bits), "{p}");
+        assert_eq!([0, 1, 2, 3].map(|k| out[k][p].to_bits()), exact.map(f64::to_bits), "{p}");
+    }
+}
+
 #[test]
 fn scratch_is_used_again() {
     // A long tape has an order of its own.

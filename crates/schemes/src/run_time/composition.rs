@@ -346,16 +346,22 @@ impl<'a> CompositionStepper<'a> {
             .collect()
         };
         let steps: Vec<_> = steps.into_iter().map(step).collect();
-        let is_program = |piece: &Piece| matches!(piece, Piece::Program(_));
-        let next = if steps.iter().flatten().any(is_program) { description.layout.rows } else { 0 };
+        // Memory of a kind of pieces, if there are any: every block of paths has its own.
+        let needed = |is: fn(&Piece) -> bool, rows| {
+            if steps.iter().flatten().any(is) { rows } else { 0 }
+        };
+        let is_flow: fn(&Piece) -> bool = |piece| matches!(piece, Piece::Move(Move::Flow { .. }));
+        let next = needed(|piece| matches!(piece, Piece::Program(_)), description.layout.rows);
+        let part = needed(is_flow, description.layout.noise_rows);
+        let scratch = needed(is_flow, description.scratch_rows());
         Self {
             system,
             steps,
             rest,
             state: Rows::zero(description.layout.rows),
             next: Rows::zero(next),
-            part: StepNoise::zero(description.layout.noise_rows),
-            scratch: Rows::zero(description.scratch_rows()),
+            part: StepNoise::zero(part),
+            scratch: Rows::zero(scratch),
             friction,
             factors: vec![1.0; 2 + 2 * friction.len()],
             own: Vec::new(),
