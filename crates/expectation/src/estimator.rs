@@ -468,15 +468,22 @@ impl<'a> Estimator<'a> {
         Ok(true)
     }
 
+    /// Whether test function number k is smooth and the same to the bit on all paths of each level:
+    /// noise does not move it.
+    pub fn is_still(&self, k: usize) -> bool {
+        self.request.observables[k].is_smooth() == Some(true)
+            && self.levels.iter().all(|level| level.values.get(k).is_none_or(Values::is_blind))
+    }
+
     /// Range of test function number k: that on all levels so far, or one if it is the same on all;
-    /// zero without noise.
+    /// zero if nothing moves it.
     fn range(&self, k: usize) -> f64 {
         let ranges = self.levels.iter().filter_map(|level| level.values.get(k)).map(Values::range);
         let range = ranges.fold(None, hull);
         let spread = range.map_or(0.0, |(least, largest)| largest - least);
-        match self.noisy {
+        match self.noisy && !self.is_still(k) {
             true if spread > 0.0 => spread,
-            noisy => f64::from(u8::from(noisy)),
+            moves => f64::from(u8::from(moves)),
         }
     }
 
@@ -494,13 +501,14 @@ impl<'a> Estimator<'a> {
             true => self.orders,
             false => seen_orders(last, self.orders),
         };
-        let mut extrapolation = extrapolation(last, orders, seen, single);
-        if !self.noisy {
-            // Rounding errors of n steps.
-            let steps = self.steps(self.levels.len() - 1) as f64;
-            let size = samples.values[k].fine.mean().abs();
-            extrapolation.size += size * f64::EPSILON * steps.sqrt();
-        }
+        let mut extrapolation = match self.request.observables[k].is_smooth() {
+            Some(false) if !self.noisy => Extrapolation::of_no_order(last),
+            _ => extrapolation(last, orders, seen, single),
+        };
+        // Rounding errors of n steps.
+        let steps = self.steps(self.levels.len() - 1) as f64;
+        let size = samples.values[k].fine.mean().abs();
+        extrapolation.size += 8.0 * f64::EPSILON * size * steps.sqrt();
         let below = if single { &last[..2] } else { &[] };
         let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();
         let lost = self.levels[first..].iter().map(Samples::lost).sum::<f64>() * range;
@@ -580,7 +588,8 @@ impl<'a> Estimator<'a> {
         };
         let mut estimates: Vec<_> = request.observables.iter().enumerate().map(estimate).collect();
         let (order, unresolved) = (self.orders.weak, self.unresolved());
-        let evidence = Evidence { levels, first, order, noisy, unresolved };
+        let still = (0..request.observables.len()).map(|k| self.is_still(k)).collect();
+        let evidence = Evidence { levels, first, order, noisy, still, unresolved };
         let mut warnings = evidence.judge(&mut estimates);
         warnings.extend(limit.map(|(kind, text)| Warning::of_all(kind, text)));
         let level = |samples: &Samples| Level {

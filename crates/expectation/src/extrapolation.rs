@@ -66,6 +66,17 @@ pub struct Extrapolation {
     pub standard_error: f64,
 }
 
+impl Extrapolation {
+    /// None, for what has no expansion in the step, as the time at which a path without noise
+    /// crosses a line: errors depend on where in a step that is, and may be small by chance. The
+    /// largest difference, at the first order, is doubled.
+    pub fn of_no_order(differences: &[Term]) -> Self {
+        let at_last = |size: f64, term: &Term| (0.5 * size).max(term.mean.abs());
+        let size = 2.0 * differences.iter().fold(0.0, at_last);
+        Self { weights: [0.0; 2], size, standard_error: 0.0 }
+    }
+}
+
 /// Extrapolates by the last three differences or fewer, the last one last, of which the last two
 /// are terms of the sum; or, for `single` paths of the last level, the first two. The scheme has
 /// these orders; differences fall by the order `alpha`, and their variances by `beta`.

@@ -124,7 +124,7 @@ impl<'a> Expect<'a> {
 
     /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
     /// 10⁻⁶ of it, or what curvature is known to add, and rounding errors of φ over the change, of
-    /// each value its offset.
+    /// each value its offset, which is taken out.
     pub(super) fn bound(&self, found: &mut Expectation) {
         for (parameter, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
             let pairs = found.estimates.iter_mut().zip(slopes);
@@ -133,7 +133,9 @@ impl<'a> Expect<'a> {
                 let rounding = ROUND_OFF * own.value.abs() / parameter.change.abs();
                 slope.bias_bound +=
                     parameter.curvature.max(CURVATURE) * slope.value.abs() + rounding;
-                own.bias_bound += (slope.value * parameter.offset).abs();
+                let shift = slope.value * parameter.offset;
+                own.value -= shift;
+                own.bias_bound += shift.abs();
             }
         }
     }
@@ -147,13 +149,25 @@ impl<'a> Expect<'a> {
         let Apart { mut largest, rows, live, .. } = self.apart(setup, number, &PILOTS);
         let states: Vec<&[Row]> = rows.chunks(setup.problem.y0.len()).collect();
         let parameters = self.parameters.iter().zip(&states[1..]);
+        let mut rounded = states[0].to_vec();
+        for (n, row) in rounded.iter_mut().enumerate() {
+            let part = f64::EPSILON * (4.0 * golden(n as f64 + 1.0) - 2.0);
+            row.iter_mut().for_each(|y| *y += part * *y);
+        }
         for (distance, (Parameter { slope, .. }, state)) in largest.iter_mut().zip(parameters) {
             let Slope::Along(nearby) = slope else { continue };
             for (phi, near) in observables.iter().zip(nearby) {
+                let rounded = phi.values(&rounded, live);
                 let [phi, near] =
                     [(phi, states[0]), (near, *state)].map(|(of, y)| of.values(y, live));
                 let finite = || live.paths().filter(|&p| phi[p].is_finite());
-                let apart = rms(finite().map(|p| near[p] - phi[p])) / rms(finite().map(|p| phi[p]));
+                let size = rms(finite().map(|p| phi[p]));
+                // What rounding errors of the state move as much is nothing else.
+                let noise = rms(finite().map(|p| rounded[p] - phi[p]));
+                if noise > APART * size {
+                    continue;
+                }
+                let apart = rms(finite().map(|p| near[p] - phi[p])) / size;
                 // It is zero where all is, and far where φ is finite and not nearby.
                 let apart = if apart.is_nan() && near != phi { f64::INFINITY } else { apart };
                 *distance = distance.max(apart);
@@ -318,6 +332,13 @@ impl Observe for OnRows<'_> {
         }
     }
 
+    fn is_smooth(&self) -> Option<bool> {
+        match self.sample {
+            Some(Sample::Weighted(..)) => None,
+            _ => self.phi.is_smooth(),
+        }
+    }
+
     fn weak_order(&self) -> f64 {
         self.phi.weak_order()
     }
@@ -404,6 +425,10 @@ impl Stepper for Side<'_> {
     }
 
     fn rests(&mut self, live: PathMask) -> bool {
-        self.all.iter_mut().all(|one| one.stepper.rests(live))
+        let mut all = true;
+        for one in &mut self.all {
+            all &= one.stepper.rests(live);
+        }
+        all
     }
 }

@@ -29,6 +29,8 @@ pub struct Evidence<'a> {
     pub order: f64,
     /// Whether there is noise.
     pub noisy: bool,
+    /// Whether each test function [does not vary](super::estimator::Estimator::is_still).
+    pub still: Vec<bool>,
     /// Warnings of what the steps do not resolve.
     pub unresolved: Vec<Warning>,
 }
@@ -77,6 +79,9 @@ impl Evidence<'_> {
     /// path of one of the last levels.
     fn few_samples(&self, k: usize) -> Option<(WarningKind, Message)> {
         let last = self.levels.len() - BIAS_LEVELS;
+        if self.still[k] {
+            return None;
+        }
         let blind = |samples: &&Samples| self.noisy && samples.values[k].is_blind();
         let begin = &self.levels[self.first];
         let tail = tail(self.levels, k);

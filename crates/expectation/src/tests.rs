@@ -457,7 +457,8 @@ fn judged(
     levels[3].values = vec![pairs(&[-1.0, 1.0].repeat(200), &coarse)];
     change(&mut levels);
     let unresolved = found(&levels[1..], 9.0);
-    let evidence = Evidence { levels: &levels, first: 0, order: 1.0, noisy: true, unresolved };
+    let (noisy, still) = (true, vec![false]);
+    let evidence = Evidence { levels: &levels, first: 0, order: 1.0, noisy, still, unresolved };
     let mut estimates = [Estimate { alpha, ..estimate() }];
     let warnings = evidence.judge(&mut estimates);
     (estimates[0].judged, warnings)

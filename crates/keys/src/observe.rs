@@ -25,6 +25,8 @@ pub enum Quantity {
     Component(usize),
     /// A formula, or a function of the system such as its energy.
     Function(Arc<OfRows>),
+    /// A formula with `abs`, `min` or `max`.
+    Kinked(Arc<OfRows>),
     /// A formula with conditions, which may jump.
     Jumping(Arc<OfRows>),
     /// A formula of what a path has collected.
@@ -40,13 +42,20 @@ impl Quantity {
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
             Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
-            Self::Function(of) | Self::Jumping(of) | Self::AlongPath(of) => of(y, values),
+            Self::Function(of) | Self::Kinked(of) | Self::Jumping(of) | Self::AlongPath(of) => {
+                of(y, values)
+            }
         }
+    }
+
+    /// Whether the quantity is a function of the state alone without jumps.
+    pub fn is_continuous(&self) -> bool {
+        matches!(self, Self::Component(_) | Self::Function(_) | Self::Kinked(_))
     }
 
     /// Whether the quantity is a function of the state alone.
     pub fn is_of_state(&self) -> bool {
-        matches!(self, Self::Component(_) | Self::Function(_) | Self::Jumping(_))
+        self.is_continuous() || matches!(self, Self::Jumping(_))
     }
 }
 
@@ -73,6 +82,14 @@ impl Observe for Observable {
 
     fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
         self.quantity.evaluate(y, values);
+    }
+
+    fn is_smooth(&self) -> Option<bool> {
+        match self.quantity {
+            Quantity::Component(_) | Quantity::Function(_) => Some(true),
+            Quantity::Kinked(_) | Quantity::Jumping(_) => None,
+            Quantity::AlongPath(_) | Quantity::Collected(_) | Quantity::Monitored(_) => Some(false),
+        }
     }
 
     fn weak_order(&self) -> f64 {
@@ -180,8 +197,9 @@ impl Vocabulary {
         let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
         let further = all - dimension;
         let is_of_state = used.iter().all(|(_, quantity)| quantity.is_of_state());
-        let jumps = used.iter().any(|(_, quantity)| matches!(quantity, Quantity::Jumping(_)))
-            || formula.has_conditions();
+        let reads = |is: fn(&Quantity) -> bool| used.iter().any(|(_, quantity)| is(quantity));
+        let jumps = reads(|of| matches!(of, Quantity::Jumping(_))) || formula.has_conditions();
+        let kinks = reads(|of| matches!(of, Quantity::Kinked(_))) || formula.has_kinks();
         let function = Arc::new(move |y: &[Row], values: &mut Row| {
             let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
             let (others, scratch) = others.split_at_mut(further);
@@ -190,6 +208,7 @@ impl Vocabulary {
         });
         Ok(match is_of_state {
             true if jumps => Quantity::Jumping(function),
+            true if kinks => Quantity::Kinked(function),
             true => Quantity::Function(function),
             false => Quantity::AlongPath(function),
         })

@@ -191,6 +191,7 @@ impl Method for Collecting<'_> {
             before,
             rows,
             values: vec![[0.0; WIDTH]; self.quantities.len()],
+            ends: vec![[0.0; WIDTH]; self.quantities.len()],
             scratch: Vec::new(),
             stopped: PathMask::NONE,
             is_set: true,
@@ -208,6 +209,8 @@ struct Collector<'a> {
     rows: Vec<Row>,
     /// Values of the followed functions at the state.
     values: Vec<Row>,
+    /// Values at the end of a step.
+    ends: Vec<Row>,
     /// Scratch rows for variance rates.
     scratch: Vec<Row>,
     /// The paths that stay where they are.
@@ -263,9 +266,12 @@ impl Stepper for Collector<'_> {
             state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
         }
         self.rows[..first].copy_from_slice(state);
-        for (quantity, value) in quantities.iter().zip(&mut self.values) {
-            let next = quantity.value(&self.rows);
-            let rows = &mut self.rows[first..first + quantity.rows()];
+        // The part of the step after which a path stops on a straight line.
+        let (own, mut part) = (first, [1.0f64; WIDTH]);
+        let Self { values, ends, rows: all, .. } = self;
+        for ((quantity, value), next) in quantities.iter().zip(&*values).zip(&mut *ends) {
+            *next = quantity.value(all);
+            let rows = &mut all[first..first + quantity.rows()];
             first += rows.len();
             match (quantity, rows) {
                 (Along::Time, [time]) => time.fill(step.t + step.tau),
@@ -275,15 +281,38 @@ impl Stepper for Collector<'_> {
                     }
                 }
                 (Along::Passage(passage), [crossed, time]) => {
-                    let ends = (&*value, &next);
                     let (noise, scratch) = ((step, noise, held), &mut self.scratch);
-                    passage.advance(*system, before, ends, noise, [crossed, time], scratch);
+                    let numbers = [&mut *crossed, &mut *time];
+                    let ends = (value, &*next);
+                    let straight = passage.advance(*system, before, ends, noise, numbers, scratch);
                     passage.stop(crossed, &mut self.stopped);
+                    for p in straight.and(self.stopped.without(held)).paths() {
+                        part[p] = part[p].min((time[p] - step.t) / step.tau);
+                    }
                 }
                 _ => unreachable!("each quantity has its number of rows"),
             }
-            *value = next;
         }
+        let early = PathMask::of(|p| part[p] < 1.0);
+        if !early.is_empty() {
+            for (y, before) in all[..own].iter_mut().zip(&*before) {
+                early.paths().for_each(|p| y[p] = before[p] + part[p] * (y[p] - before[p]));
+            }
+            first = own;
+            for ((quantity, value), next) in quantities.iter().zip(&*values).zip(&mut *ends) {
+                let held = quantity.value(all);
+                if let Along::Integral(_) = quantity {
+                    for p in early.paths() {
+                        let moving = 0.5 * (value[p] + held[p]) - held[p];
+                        let whole = 0.5 * (value[p] + next[p]) - held[p];
+                        all[first][p] += step.tau * (part[p] * moving - whole);
+                    }
+                }
+                first += quantity.rows();
+                *next = held;
+            }
+        }
+        std::mem::swap(values, ends);
     }
 
     fn rests(&mut self, live: PathMask) -> bool {
@@ -301,7 +330,8 @@ impl Passage {
     }
 
     /// Marks the paths that pass zero within a step from `before`, with φ at both ends. Those that
-    /// are `held` where they are pass by the time alone.
+    /// are `held` where they are pass by the time alone. Returns those that pass with φ on a
+    /// straight line, as no noise moves it.
     fn advance(
         &self,
         system: &dyn System,
@@ -310,7 +340,7 @@ impl Passage {
         (step, noise, held): (&Step, &StepNoise, PathMask),
         [crossed, time]: [&mut Row; 2],
         scratch: &mut Vec<Row>,
-    ) {
+    ) -> PathMask {
         let open = PathMask::of(|p| crossed[p] == 0.0);
         let moves = !open.without(held).is_empty();
         let middle = (before, step.t + 0.5 * step.tau);
@@ -318,6 +348,7 @@ impl Passage {
             Some(gradient) if moves => variance_rate(system, &**gradient, middle, scratch),
             _ => [0.0; WIDTH],
         };
+        let mut straight = PathMask::NONE;
         for p in open.paths() {
             let variance = if held.contains(p) { 0.0 } else { rate[p] * step.tau };
             let (a, b) = (a[p], b[p]);
@@ -341,7 +372,11 @@ impl Passage {
                 if uniform(next()) * (1.0 + ratio) < ratio { mean / ratio } else { mean * ratio };
             crossed[p] = 1.0;
             time[p] = step.t + step.tau / (1.0 + 1.0 / ratio);
+            if variance == 0.0 && self.gradient.is_some() {
+                straight.insert(p);
+            }
         }
+        straight
     }
 }
 

@@ -255,7 +255,7 @@ impl<'a> Marcher<'a> {
         let start = |(number, run): (usize, &'a Run<'_>)| {
             run.scheme.start(&(driver.start)(number, first_path))
         };
-        Self {
+        let mut new = Self {
             driver,
             first_path,
             live: PathMask::first(paths),
@@ -268,7 +268,9 @@ impl<'a> Marcher<'a> {
             random_time: Block::zero(),
             time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
             rests: false,
-        }
+        };
+        new.all_rest();
+        new
     }
 
     /// Shows the states after `time` coarsest steps to `observe`.
@@ -313,10 +315,18 @@ impl<'a> Marcher<'a> {
                 self.drop_non_finite(n, tally);
             }
             self.show(n >> driver.levels, observe);
-            let Self { live, states, .. } = self;
-            self.rests = live.is_empty()
-                || driver.time_change.is_none() && states.iter_mut().all(|of| of.rests(*live));
+            let all_rest = self.all_rest();
+            self.rests = self.live.is_empty() || driver.time_change.is_none() && all_rest;
         }
+    }
+
+    /// Tells every run which paths go on, and asks whether none of them moves any more.
+    fn all_rest(&mut self) -> bool {
+        let mut all = true;
+        for run in &mut self.states {
+            all &= run.rests(self.live);
+        }
+        all
     }
 
     /// Draws the noise of finest step number n. Returns the highest level whose step is complete.

@@ -17,6 +17,13 @@ pub trait Observe: Sync {
         values
     }
 
+    /// Whether φ is a smooth function of the state, so that it is no chance if it is the same on
+    /// all paths; or is not, as the time of an event, which has no expansion in the step; if that
+    /// is known.
+    fn is_smooth(&self) -> Option<bool> {
+        None
+    }
+
     /// Order with which the error of the mean of φ falls, with a scheme of weak order one.
     fn weak_order(&self) -> f64 {
         1.0

@@ -62,8 +62,8 @@ pub trait Stepper: Send {
     /// anything. Of one large path, `status` has that of path 0.
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus);
 
-    /// Whether none of the paths `live` moves any more, such as after an event that stops them.
-    /// Further steps then read no noise.
+    /// Takes the paths `live`, which alone are wanted from here on. Returns whether none of them
+    /// moves any more, such as after an event that stops them: further steps then read no noise.
     fn rests(&mut self, _live: PathMask) -> bool {
         false
     }

@@ -17,7 +17,7 @@ use crate::{
     failure::{Done, Failure},
     slopes,
 };
-use scenes::{AUTO, Changed, Changes, Count, Nearby, Observable, Quantity, Scene, SchemeAndSeed};
+use scenes::{AUTO, Changed, Changes, Count, Nearby, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -254,16 +254,11 @@ fn jumps(scene: &Scene) -> Option<String> {
                      function, such as sqrt(x^2 + d^2)";
         return Some(words.into());
     }
-    let phi = scene.expected.iter().find(|phi| !is_smooth(phi))?;
+    let phi = scene.expected.iter().find(|phi| !phi.quantity.is_continuous())?;
     Some(format!(
         "{} is no smooth function of the state: take one, such as tanh((x - a)/d) for x > a",
         phi.name
     ))
-}
-
-/// Whether an observable is a smooth function of the state.
-pub(crate) fn is_smooth(phi: &Observable) -> bool {
-    matches!(phi.quantity, Quantity::Component(_) | Quantity::Function(_))
 }
 
 /// Adds derivatives by parameters: along paths, or by likelihood ratios where paths do not see

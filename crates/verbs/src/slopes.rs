@@ -7,7 +7,6 @@ use casimir::{
     systems::run_time::{Op, Weights},
 };
 
-use super::expect::is_smooth;
 use crate::failure::{Done, Failure};
 use scenes::{Changed, Nearby, Observable, Scene};
 
@@ -40,8 +39,10 @@ pub fn slopes<'a>(
             let words = format!("no derivative of averages by `{parameter}`: {why}");
             scene.source.error(None, words).into()
         };
-        let rough =
-            averaged(scene).into_iter().find(|phi| !is_smooth(phi)).filter(|_| *is_observed);
+        let rough = averaged(scene)
+            .into_iter()
+            .find(|phi| !phi.quantity.is_continuous())
+            .filter(|_| *is_observed);
         if let Some(phi) = rough {
             return Err(refused(&format!("it is in what is observed, and {} jumps", phi.name)));
         }

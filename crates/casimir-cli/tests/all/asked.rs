@@ -119,3 +119,96 @@ steps = 800
     let of = ["equilibrium", "scene.toml", "--of", "nothing", "--accuracy", "1"];
     fails(with_scene(scene).path(), &of, 2, &["nothing"]);
 }
+
+/// Times and states at which paths without noise stop, in closed form: free fall, decay, and a
+/// pendulum that passes at nearly the same place of a step at all step sizes.
+#[test]
+fn paths_without_noise_stop_where_they_must() {
+    let fall = "B = \"canonical\"\nH0 = \"p^2/2 + 9.81*q\"";
+    let pendulum = "B = \"canonical\"\nH0 = \"p^2/2 - cos(q)\"";
+    let decay = |k: f64| format!("drift = [\"-{k}*x\"]");
+    for (state, system, initial, until, condition, time, at) in [
+        ("q p", fall.to_owned(), "[2, 0]", 1, "q < 0", 0.638_550_859, 0.0),
+        ("q p", pendulum.to_owned(), "[1, 0]", 4, "q < -0.3", 1.993_19, -0.3),
+        ("x", decay(2.1), "[1]", 2, "x < 0.4", 2.5f64.ln() / 2.1, 0.4),
+        ("x", decay(3.3), "[1]", 2, "x < 0.4", 2.5f64.ln() / 3.3, 0.4),
+        ("x", decay(1.0), "[1]", 2, "x < 0.4", 2.5f64.ln(), 0.4),
+    ] {
+        let components: Vec<&str> = state.split(' ').collect();
+        let scene = format!(
+            "[system]\nstate = {components:?}\n{system}\n[run]\ninitial = {initial}\nuntil = \
+             {until}\nsteps = 200\npaths = 100\n[events]\nc = {{ when = \"{condition}\", stop = \
+             true }}\n[expect]\nof = [\"c time\", \"{}\"]\naccuracy = 0.01",
+            components[0]
+        );
+        let folder = with_scene(&scene);
+        let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+        assert!(found["reached"] == true, "{found}");
+        for (k, exact, rounding) in [(0, time, 1e-5), (1, at, 1e-12)] {
+            let of = |key: &str| found["estimates"][k][key].as_f64().unwrap();
+            let (value, half) = (of("value"), of("half_width"));
+            assert!((value - exact).abs() < half + rounding, "{condition}: {value} {half} {exact}");
+            assert!(half <= 0.01, "{found}");
+        }
+        let run = json(folder.path(), &["run", "scene.toml", "--json"]);
+        let end = run["at_end"][components[0]]["mean"].as_f64().unwrap();
+        assert!((end - at).abs() < 1e-12, "{run}");
+    }
+}
+
+/// What no noise moves is known; a payoff that no path reaches is not.
+#[test]
+fn what_does_not_vary_beside_noise_is_believed() {
+    let scene = r#"
+[system]
+state = ["q1", "q2", "p1", "p2"]
+B = "canonical(q1, p1) + canonical(q2, p2)"
+H0 = "(p1^2 + p2^2 + w^2*(q1^2 + q2^2))/2"
+H = ["s*q1"]
+parameters = { w = 1.3, s = 0.5, b = 1 }
+[run]
+initial = [1, 1, 0, 0]
+until = 2
+steps = 64
+[expect]
+of = ["q2", "b*q1"]
+accuracy = 0.01
+gradient = ["s", "b"]
+"#;
+    let found = json(with_scene(scene).path(), &["expect", "scene.toml", "--json"]);
+    assert!(found["reached"] == true && found["warnings"] == serde_json::json!([]), "{found}");
+    let value = found["estimates"][0]["value"].as_f64().unwrap();
+    assert!((value - 2.6f64.cos()).abs() < 1e-14, "{found}");
+    for parameter in ["s", "b"] {
+        assert!(found["gradient"][parameter][0]["value"] == 0.0, "{found}");
+    }
+    let rare = scene.replace("\"b*q1\"", "\"max(q1 - 10, 0)\"").replace("gradient", "#");
+    let folder = with_scene(&rare);
+    fails(folder.path(), &["expect", "scene.toml"], 1, &["not to be believed"]);
+}
+
+/// The change of a parameter does not follow rounding errors of an observable that is zero.
+#[test]
+fn an_observable_that_is_zero_leaves_other_derivatives_alone() {
+    let scene = r#"
+[system]
+state = ["a[xyz]", "b[xyz]"]
+B = "spins"
+H0 = "-1.5*dot(a, b)"
+H = ["s*(ax + bx)", "s*(ay + by)", "s*(az + bz)"]
+parameters = { s = 0.4 }
+[run]
+initial = [0, 0, 1, 0.6, 0.8, 0]
+until = 2
+steps = 64
+[expect]
+of = ["az + bz", "dot(a, b)", "1e-18*az", "norm(a) - 1"]
+accuracy = 0.02
+gradient = ["s"]
+"#;
+    let found = json(with_scene(scene).path(), &["expect", "scene.toml", "--json"]);
+    let of = |k: usize, key: &str| found["gradient"]["s"][k][key].as_f64().unwrap();
+    let exact = -1.6 * (-0.32f64).exp();
+    assert!((of(0, "value") - exact).abs() < 1.6 * of(0, "half_width"), "{found}");
+    assert!(of(0, "half_width") < 0.02, "{found}");
+}

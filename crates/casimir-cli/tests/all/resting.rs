@@ -88,8 +88,8 @@ fn found(scene: &Scene, fails_beyond: f64) -> (StudyResult, Vec<TimeSeries>, u64
 fn a_block_of_stopped_paths_makes_no_step_and_collects_on() {
     let scene = scene(0.0, "late = \"t > 0.9\"\n");
     let (result, tables, steps) = found(&scene, f64::INFINITY);
-    // They stop at the end of step 17, beyond ¼.
-    let (blocks, stop) = (8, 17.0 / 64.0);
+    // They stop at ¼, within step 17.
+    let (blocks, stop) = (8, 0.25);
     assert_eq!(steps, 17 * blocks);
     let mean = |name: &str| result.series(name).unwrap().last().mean.unwrap();
     let truths = [

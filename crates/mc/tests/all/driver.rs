@@ -1,11 +1,18 @@
 //! What the driver shows to schemes and to statistics: raw and clipped increments, noise from
 //! elsewhere, and how each step was solved.
 
+use std::sync::{Arc, Mutex};
+
 use mc::{LadderError, NextNoise, Run, Statistic, View, bind, parts::Stop};
 use noise::{
-    AreaSampler, NoiseError, Truncation, WienerPath, WienerRows, area_terms, strong_order_one_error,
+    AreaSampler, NoiseError, StepNoise, Truncation, WienerPath, WienerRows, area_terms,
+    strong_order_one_error,
 };
-use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy};
+use nonlin::BlockStatus;
+use real::{PathMask, Row};
+use schemes::{
+    About, Explicit, Implicit, Increment, Method, Scheme, Sexp, SexpLevy, Step, Stepper,
+};
 
 use crate::{
     ladder::{KEY, Keep, body, ladder},
@@ -95,6 +102,54 @@ fn raw_increments_need_no_bound() {
     let refused = "truncated increments need a step size with 0 < tau < 1, got tau = 2";
     let refused = LadderError::Noise(NoiseError(refused.into()));
     assert_eq!(last(&Euler::<true>), Err(refused));
+}
+
+/// A method whose paths stay, and which writes down what is wanted of them.
+struct Still(Mutex<Vec<PathMask>>);
+
+struct StillPaths<'a>(&'a Still, Vec<Row>);
+
+impl Method for Still {
+    fn about(&self) -> About {
+        About::new("still")
+    }
+
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(StillPaths(self, y.to_vec()))
+    }
+}
+
+impl Stepper for StillPaths<'_> {
+    fn state(&self) -> &[Row] {
+        &self.1
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.1
+    }
+
+    fn step(&mut self, _: &Step, _: &StepNoise, status: &mut BlockStatus) {
+        *status = BlockStatus::explicit();
+    }
+
+    fn rests(&mut self, live: PathMask) -> bool {
+        self.0.0.lock().unwrap().push(live);
+        false
+    }
+}
+
+/// Before the first step and after each coarsest one: methods whose paths go one after the other
+/// step the others for nothing.
+#[test]
+fn every_run_is_told_which_paths_are_wanted() {
+    let problem = body();
+    let [one, other] = [(); 2].map(|()| Arc::new(Still(Mutex::default())));
+    let runs = vec![Run::new(Arc::clone(&one) as _, 0), Run::new(Arc::clone(&other) as _, 1)];
+    let ladder = ladder(&problem, (8, 1), 2, runs).unwrap();
+    ladder.run(3, || Keep::<3>::new(4, 1));
+    for still in [one, other] {
+        assert_eq!(*still.0.lock().unwrap(), [PathMask::first(3); 5]);
+    }
 }
 
 #[test]
