@@ -67,9 +67,10 @@ pub struct Extrapolation {
 }
 
 impl Extrapolation {
-    /// None, for what has no expansion in the step, as the time at which a path without noise
-    /// crosses a line: errors depend on where in a step that is, and may be small by chance. The
-    /// largest difference, at the first order, is doubled.
+    /// No extrapolation, for what has no expansion in the step: the error of the time at which a
+    /// path without noise crosses a line depends on the place in a step, and may be small by
+    /// chance. The bound is twice the largest difference, each brought to the last step by order
+    /// one.
     pub fn of_no_order(differences: &[Term]) -> Self {
         let at_last = |size: f64, term: &Term| (0.5 * size).max(term.mean.abs());
         let size = 2.0 * differences.iter().fold(0.0, at_last);

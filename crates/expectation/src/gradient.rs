@@ -162,7 +162,7 @@ impl<'a> Expect<'a> {
                     [(phi, states[0]), (near, *state)].map(|(of, y)| of.values(y, live));
                 let finite = || live.paths().filter(|&p| phi[p].is_finite());
                 let size = rms(finite().map(|p| phi[p]));
-                // What rounding errors of the state move as much is nothing else.
+                // φ is zero but for rounding errors, and shows no distance.
                 let noise = rms(finite().map(|p| rounded[p] - phi[p]));
                 if noise > APART * size {
                     continue;

@@ -1,10 +1,10 @@
 //! Seconds of the processor, errors and drifts of Euler's equations on the sphere up to T.
 //!
 //! `cargo run --release -p casimir-matrix --features measuring --example sphere_cost --` takes
-//! `FOLDER T N…`, writes the initial and the last matrices there, for `examples/isospectral.py`, and
-//! prints a table; or `drift STEPS N…`, for the changes of tr Wᵏ after so many steps with noise and
-//! τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|; or `threads TURNS N…`, for the least time of
-//! a step on one thread and on two, by turns.
+//! `FOLDER T N…`, writes the initial and the last matrices there, for `examples/isospectral.py`,
+//! and prints a table; or `drift STEPS N…`, for the changes of tr Wᵏ after STEPS steps with noise
+//! and τ‖V‖ = 1, from k = 2 to 8, relative to those of |W|; or `threads TURNS N…`, for the least
+//! time of a step on one thread and on two, by turns.
 
 use std::{
     error::Error,

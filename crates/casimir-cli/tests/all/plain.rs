@@ -203,8 +203,8 @@ fn fitzhugh_nagumo() {
     follows(&text, &["v", "w"], &flow(f, [-1.0, 1.0], 10.0), 400);
 }
 
-/// E\[v\] and the probability of firing of the gallery's neuron with a current i, by paths of Heun's
-/// method with numbers of SplitMix64, and their standard errors.
+/// E\[v\] and the probability of firing of the gallery's neuron with a current i, by paths of
+/// Heun's method with numbers of SplitMix64, and their standard errors.
 fn neurons(i: f64, paths: u32) -> [(f64, f64); 2] {
     let mut state = 65u64;
     let mut uniform = || {

@@ -118,8 +118,8 @@ fn a_path_has_digits_where_it_passes_zero() {
     assert!(said.contains("no digit along a path of q is right"), "{said}");
 }
 
-/// A step turns by a quarter of a radian. Its phase error is in the correlation with the past, and no
-/// value at the end shows it.
+/// A step turns by a quarter of a radian. Its phase error is in the correlation with the past, and
+/// no value at the end shows it.
 #[test]
 fn step_errors_of_correlations_are_named() {
     let scene = "[system]\nstate = ['q', 'p']\nB = 'canonical'\nH0 = '(p^2 + q^2)/2'\n[bath]\n\
