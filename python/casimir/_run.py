@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -74,6 +74,27 @@ class _Named(dict[str, Statistics]):
         return _Named, (self._what,), None, None, iter(self.items())
 
 
+class Snapshots(Mapping[tuple[int, float], Array]):
+    """The spins of a large lattice by path and time, each read from its file when it is asked for:
+    an array [z, y, site of the cell, x, axis]."""
+
+    def __init__(self, files: dict[tuple[int, float], Path]) -> None:
+        self._files = files
+
+    def __getitem__(self, key: tuple[int, float]) -> Array:
+        if key not in self._files:
+            there = ", ".join(map(str, self._files))
+            raise KeyError(f"no snapshot {key}; there are {there or 'none'}")
+        with np.load(self._files[key]) as arrays:
+            return np.asarray(arrays["spins"])
+
+    def __iter__(self) -> Iterator[tuple[int, float]]:
+        return iter(self._files)
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+
 class Run(Result):
     """Paths and their statistics.
 
@@ -105,8 +126,11 @@ class Run(Result):
     quantile_levels: Array | None
     """The levels of the quantiles."""
 
-    def __init__(self, scene: Scene, found: _Found, varied: dict[str, Array]) -> None:
+    def __init__(
+        self, scene: Scene, found: _Found, varied: dict[str, Array], folder: str | None = None
+    ) -> None:
         super().__init__(scene, found)
+        self._folder = folder
         self._found = {key: found[key] for key in ("text", "json", "figures", "interrupted")}
         self.page = found["page"]
         self.parameters = varied
@@ -155,6 +179,23 @@ class Run(Result):
         if "spins" in self.paths:
             return self.paths["spins"][:, 0].reshape(len(self.paths["spins"]), -1)
         return np.stack([self.paths[name][:, 0] for name in names], axis=1)
+
+    @property
+    def snapshots(self) -> Snapshots:
+        """The spins of a large lattice that ran with ``resume="folder"``, in whose files they are:
+        ``run.snapshots[path, t]``. ``run(snapshots=8)`` asks for eight after the start."""
+        if self._folder is None or self.parameters:
+            raise SceneError(
+                "snapshots are files of the folder of a large lattice: scene.run(resume='folder')"
+            )
+        # spins-PATH-STEP.npz
+        numbered = [(*map(int, file.stem.split("-")[1:]), file) for file in Path(self._folder).glob("spins-*")]
+        files: dict[tuple[int, float], Path] = {}
+        for path in sorted({path for path, _, _ in numbered}):
+            of_path = sorted((step, file) for p, step, file in numbered if p == path)
+            times = map(float, self._arrays[0]["t of spectra"])
+            files.update(((path, t), file) for t, (_, file) in zip(times, of_path, strict=False))
+        return Snapshots(files)
 
     @property
     def ends(self) -> dict[str, Array]:

@@ -266,7 +266,7 @@ class Scene:
         found = _core.run(self, independent, how)
         for why in found["left"]:
             warnings.warn(f"paths were computed on the processor: {why}", stacklevel=3)
-        return Run(self, _raising(found, raises), self.varied)
+        return Run(self, _raising(found, raises), self.varied, how.folder)
 
     @property
     def varied(self) -> dict[str, NDArray[np.float64]]:

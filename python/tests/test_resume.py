@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import casimir
@@ -75,3 +76,27 @@ def test_a_folder_of_other_work_is_refused(oscillator: casimir.Scene, tmp_path: 
             getattr(oscillator, verb)(resume=tmp_path / "file")
     with pytest.raises(casimir.SceneError, match="`resume` is the name of a folder"):
         oscillator.run(resume=3)  # type: ignore[arg-type]
+
+
+def test_snapshots_of_a_large_lattice(tmp_path: Path) -> None:
+    # A field turns the spins, which are parallel.
+    scene = casimir.Scene.from_toml("""
+        [system]
+        name = "spin-lattice"
+        parameters = { sizes = [32, 64, 16], exchange = 1, field = [0, 0, 1.5] }
+        [run]
+        initial = [0.6, 0, 0.8]
+        until = 1
+        steps = 400
+        times = 4
+        snapshots = 2
+    """)
+    with pytest.raises(casimir.SceneError, match="resume='folder'"):
+        scene.run().snapshots  # noqa: B018
+    run = scene.run(resume=tmp_path)
+    assert list(run.snapshots) == [(0, 0.0), (0, 0.5), (0, 1.0)]
+    for (_, t), spins in run.snapshots.items():
+        assert spins.shape == (16, 64, 1, 32, 3)
+        assert np.abs(spins - [0.6 * np.cos(1.5 * t), 0.6 * np.sin(1.5 * t), 0.8]).max() < 1e-4
+    with pytest.raises(KeyError, match="no snapshot"):
+        run.snapshots[0, 0.3]

@@ -172,14 +172,14 @@ impl Names {
 const LONGEST: usize = 40;
 
 /// "; the nearest is `…`" for messages about an unknown name: the known one with the fewest changed
-/// characters, at most a third of them or one; the first in the alphabet of several. Empty if none
-/// is near.
+/// characters, at most a third of them or one, where small and capital letters are the same; the
+/// first in the alphabet of several. Empty if none is near.
 pub fn nearest<S: AsRef<str>>(name: &str, known: impl IntoIterator<Item = S>) -> String {
-    let length = name.chars().count();
+    let (length, lower) = (name.chars().count(), name.to_lowercase());
     let near = |known: S| {
         let known = known.as_ref();
         let short = length <= LONGEST && known.len() <= 4 * LONGEST;
-        let distance = short.then(|| strsim::damerau_levenshtein(name, known))?;
+        let distance = short.then(|| strsim::damerau_levenshtein(&lower, &known.to_lowercase()))?;
         (distance <= (length / 3).max(1)).then(|| (distance, known.to_owned()))
     };
     let nearest = known.into_iter().filter_map(near).min();

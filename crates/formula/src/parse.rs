@@ -100,7 +100,7 @@ fn first_token(text: &str) -> &str {
 }
 
 /// Characters of typesetters, and what to write instead.
-const INSTEAD: [(char, &str); 11] = [
+const INSTEAD: [(char, &str); 12] = [
     ('−', "-"),
     ('·', "*"),
     ('×', "*"),
@@ -112,6 +112,7 @@ const INSTEAD: [(char, &str); 11] = [
     ('&', "and"),
     ('|', "or"),
     ('!', "not"),
+    ('=', "< or >"),
 ];
 
 struct Parser<'a> {

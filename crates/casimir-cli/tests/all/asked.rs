@@ -127,32 +127,38 @@ fn paths_without_noise_stop_where_they_must() {
     let fall = "B = \"canonical\"\nH0 = \"p^2/2 + 9.81*q\"";
     let pendulum = "B = \"canonical\"\nH0 = \"p^2/2 - cos(q)\"";
     let decay = |k: f64| format!("drift = [\"-{k}*x\"]");
-    for (state, system, initial, until, condition, time, at) in [
-        ("q p", fall.to_owned(), "[2, 0]", 1, "q < 0", 0.638_550_859, 0.0),
-        ("q p", pendulum.to_owned(), "[1, 0]", 4, "q < -0.3", 1.993_19, -0.3),
-        ("x", decay(2.1), "[1]", 2, "x < 0.4", 2.5f64.ln() / 2.1, 0.4),
-        ("x", decay(3.3), "[1]", 2, "x < 0.4", 2.5f64.ln() / 3.3, 0.4),
-        ("x", decay(1.0), "[1]", 2, "x < 0.4", 2.5f64.ln(), 0.4),
+    // The pendulum's integral by a Runge–Kutta method of order four with steps of 10⁻⁵.
+    for (state, system, initial, until, condition, time, at, integral) in [
+        ("q p", fall.to_owned(), "[2, 0]", 1, "q < 0", 0.638_550_859, 0.0, 0.851_401_145),
+        ("q p", pendulum.to_owned(), "[1, 0]", 4, "q < -0.3", 1.993_19, -0.3, 1.026_057_991),
+        ("x", decay(2.1), "[1]", 2, "x < 0.4", 2.5f64.ln() / 2.1, 0.4, 0.6 / 2.1),
+        ("x", decay(3.3), "[1]", 2, "x < 0.4", 2.5f64.ln() / 3.3, 0.4, 0.6 / 3.3),
+        ("x", decay(1.0), "[1]", 2, "x < 0.4", 2.5f64.ln(), 0.4, 0.6),
     ] {
+        // A path stays where it stops.
+        let way = integral + at * (f64::from(until) - time);
         let components: Vec<&str> = state.split(' ').collect();
         let scene = format!(
             "[system]\nstate = {components:?}\n{system}\n[run]\ninitial = {initial}\nuntil = \
              {until}\nsteps = 200\npaths = 100\n[events]\nc = {{ when = \"{condition}\", stop = \
-             true }}\n[expect]\nof = [\"c time\", \"{}\"]\naccuracy = 0.01",
+             true }}\n[observe]\nway = \"integral({0})\"\n[expect]\nof = [\"c time\", \"{0}\", \
+             \"way\"]\naccuracy = 0.01",
             components[0]
         );
         let folder = with_scene(&scene);
         let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
         assert!(found["reached"] == true, "{found}");
-        for (k, exact, rounding) in [(0, time, 1e-5), (1, at, 1e-12)] {
+        for (k, exact, rounding) in [(0, time, 1e-5), (1, at, 1e-12), (2, way, 1e-6)] {
             let of = |key: &str| found["estimates"][k][key].as_f64().unwrap();
             let (value, half) = (of("value"), of("half_width"));
             assert!((value - exact).abs() < half + rounding, "{condition}: {value} {half} {exact}");
             assert!(half <= 0.01, "{found}");
         }
         let run = json(folder.path(), &["run", "scene.toml", "--json"]);
-        let end = run["at_end"][components[0]]["mean"].as_f64().unwrap();
-        assert!((end - at).abs() < 1e-12, "{run}");
+        let end = |name: &str| run["at_end"][name]["mean"].as_f64().unwrap();
+        assert!((end(components[0]) - at).abs() < 1e-12, "{run}");
+        // By trapezoids of 200 steps and a part of one.
+        assert!((end("way") - way).abs() < 1e-4, "{run}");
     }
 }
 
@@ -211,4 +217,30 @@ gradient = ["s"]
     let exact = -1.6 * (-0.32f64).exp();
     assert!((of(0, "value") - exact).abs() < 1.6 * of(0, "half_width"), "{found}");
     assert!(of(0, "half_width") < 0.02, "{found}");
+}
+
+/// What is kept to rounding is known to rounding, not better: H0 without noise, and the length of a
+/// spin beside it.
+#[test]
+fn rounding_errors_of_many_steps_are_in_the_bound() {
+    let scene = r#"
+[system]
+state = ["s[xyz]"]
+B = "spins"
+H0 = "sx^2 + 2*sy^2 + 3*sz^2"
+[run]
+initial = [0.48, 0.6, 0.64]
+until = 50
+steps = 3200
+scheme = "sexp"
+[expect]
+of = ["sx^2 + 2*sy^2 + 3*sz^2", "norm(s)", "norm(s)^4"]
+accuracy = 0.01
+"#;
+    let found = json(with_scene(scene).path(), &["expect", "scene.toml", "--json"]);
+    for (k, exact) in [(0, 2.1792), (1, 1.0), (2, 1.0)] {
+        let of = |key: &str| found["estimates"][k][key].as_f64().unwrap();
+        let (value, half) = (of("value"), of("half_width"));
+        assert!((value - exact).abs() <= half && half < 1e-11, "{value} {half} {exact}");
+    }
 }

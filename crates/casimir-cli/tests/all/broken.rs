@@ -40,6 +40,8 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "k*q^2/2", "k*q^2/", "line 6, column 21", "is missing at the end"),
     (OSCILLATOR, "k*q^2/2", "2q", "line 6, column 16", "write 2*q"),
     (OSCILLATOR, "k*q^2/2", "sinn(q)", "line 6, column 15", "the nearest is `sin`"),
+    (OSCILLATOR, "k*q^2/2", "Sin(q)", "line 6, column 15", "the nearest is `sin`"),
+    (OSCILLATOR, "[observe]", "[events]\nc = \"q = 1.5\"\n[observe]", "line 17, column 8", "write `< or >`"),
     (OSCILLATOR, "k*q^2/2", "log(q)", "line 6, column 15", "unknown function `log`"),
     (OSCILLATOR, "k*q^2/2", "ln(q - 2)", "line 6, column 15", "NaN for -1"),
     (OSCILLATOR, "k*q^2/2", "sqrt(q - 1)", "line 6, column 6", "derivative of H0 by q"),

@@ -24,40 +24,6 @@ fn scenes() -> BTreeSet<String> {
     files.map(|file| file.unwrap().path().file_stem().unwrap().to_str().unwrap().into()).collect()
 }
 
-/// A number of a scene by its key.
-fn number(scene: &str, key: &str) -> f64 {
-    let value = scene.lines().find_map(|line| line.strip_prefix(&format!("{key} = ")));
-    let value = value.and_then(|value| value.split_whitespace().next());
-    value.and_then(|value| value.parse().ok()).unwrap_or_else(|| panic!("no {key} in {scene}"))
-}
-
-#[test]
-#[ignore = "long: run by the gate"]
-fn every_scene_runs_and_has_expectations() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
-    for name in scenes() {
-        let text = succeeds(path, &["new", &name]);
-        assert_eq!(text, read(&format!("scenes/{name}.toml")));
-        let file = format!("{name}.toml");
-        fs::write(path.join(&file), &text).unwrap();
-        let inspection = succeeds(path, &["inspect", &file]);
-        assert!(!inspection.contains("Mistakes\n"), "{name}: {inspection}");
-        let steps = (number(&text, "steps") / 8.0).floor().to_string();
-        // Statistics of 4096 spins take a minute.
-        let paths = if name == "quench" { "1" } else { "128" };
-        let run = succeeds(path, &["run", &file, "--paths", paths, "--steps", &steps]);
-        assert!(run.contains(&format!("{name}-run")), "{run}");
-        assert!(path.join(format!("{name}-run/index.html")).is_file());
-        if !text.contains("[expect]") {
-            continue;
-        }
-        let loose = (16.0 * number(&text, "accuracy")).to_string();
-        let found = succeeds(path, &["expect", &file, "--accuracy", &loose]);
-        assert!(found.contains("E["), "{name}: {found}");
-    }
-}
-
 /// The kinds of the parts of a scene, as the page lists them.
 fn kinds(folder: &Path, file: &str) -> String {
     // Numbers of paths and steps do not matter: a scheme is refused before.

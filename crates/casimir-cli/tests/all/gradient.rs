@@ -542,3 +542,36 @@ const WELL: [(&str, usize, f64); 4] = [
     ("kT", 0, 0.174_089_10),
     ("kT", 1, -0.005_084_64),
 ];
+
+/// Parameters are moved off values at which formulas are simpler; values are those at the
+/// parameters.
+#[test]
+fn values_beside_derivatives_are_those_at_the_parameters() {
+    let scene = KUBO.replace("of = [\"q\"]", "of = [\"w\", \"q + s\", \"w*s\"]");
+    let folder = with_scene(&scene);
+    let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+    let value = |k: usize| found["estimates"][k]["value"].as_f64().unwrap();
+    assert!((value(0) - 1.0).abs() < 1e-15 && (value(2) - 0.5).abs() < 1e-15, "{found}");
+    for (parameter, k, exact) in [("w", 0, 1.0), ("s", 0, 0.0), ("w", 2, 0.5), ("s", 2, 1.0)] {
+        let [value, half] = derivative(&found, parameter, k);
+        assert!((value - exact).abs() < 1e-8 + half && half < 5e-4, "{parameter} {found}");
+    }
+}
+
+/// ∂E max(q − a, 0)/∂a = −P(q > a), with a kink; and none where no path comes near a.
+#[test]
+fn payoffs_with_a_kink_have_derivatives_where_paths_reach_them() {
+    let payoff = |a: f64| {
+        KUBO.replace("H = [\"s*(q^2 + p^2)/2\"]", "H = [\"s*q\"]")
+            .replace("w = 1, s = 0.5", &format!("w = 1, s = 0.5, a = {a}"))
+            .replace("of = [\"q\"]", "of = [\"max(q - a, 0)\"]")
+            .replace("accuracy = 5e-4", "accuracy = 0.01")
+            .replace("[\"s\", \"w\"]", "[\"a\"]")
+    };
+    // q(2) is normal with mean cos 2 and variance ¼(1 − sin 4/4).
+    let deviation = 0.5 * (1.0 - 4f64.sin() / 4.0).sqrt();
+    let above = (0.2 - 2f64.cos()) / deviation;
+    assert!((above - 1.130_021_4).abs() < 1e-6, "{above}");
+    are(&payoff(0.2), &[("a", 0, -0.129_233_6)]);
+    fails(with_scene(&payoff(9.0)).path(), &["expect", "scene.toml"], 1, &["not to be believed"]);
+}

@@ -13,7 +13,8 @@ fn with(line: &str, other: &str) -> String {
 #[test]
 fn each_key_says_what_it_may_be() {
     let bath =
-        with("[damping]\nrate = \"0.1\"", "[bath]\nfriction = { p = 0.5 }\ntemperature = \"-k\"");
+        with("[damping]\nrate = \"0.1\"", "[bath]\nfriction = { p = 0.5 }\ntemperature = \"-k\"")
+            .replace("H = [\"s*q\"]\n", "");
     let table = [
         (with("1.0, 0.5", "nan, 0.5"), "line 11, column 11: a number must be finite, got NaN"),
         (with("until = 2.0", "until = inf"), "line 12, column 9: a number must be finite, got inf"),
@@ -22,7 +23,11 @@ fn each_key_says_what_it_may_be() {
         (with("paths = 4", "seed = -1"), "`-1` is not a seed: a whole number from 0 to 1844674407"),
         (with("paths = 4", "seed = 1.5"), "`1.5` is not a seed"),
         (with("paths = 4", "seed = \"one\""), "`one` is not a seed"),
-        (bath.replace("H = [\"s*q\"]\n", ""), "kT must be positive, got -1 at t = 0"),
+        (bath.clone(), "kT must be positive, got -1 at t = 0"),
+        (
+            bath.replace("0.5 }", "\"0.5 - t\" }").replace("\"-k\"", "1"),
+            "line 8, column 18: the friction of `p` must not be negative, got",
+        ),
     ];
     for (scene, words) in table {
         fails(with_scene(&scene).path(), &["run", "scene.toml"], 2, &[words]);

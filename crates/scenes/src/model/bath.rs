@@ -48,6 +48,13 @@ pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> 
         }
         let (given, state) = (friction.iter().collect::<Vec<_>>(), &definition.state);
         let rates = named_rates(reading, &given, state, &definition.vectors)?;
+        for (i, text) in &rates {
+            let (rate, name) = (of_rate(reading, text)?, &state[*i]);
+            if let Some(t) = times.iter().find(|t| rate.rate(**t) < 0.0) {
+                let rate = rate.rate(*t);
+                refuse!(*text, "the friction of `{name}` must not be negative, got {rate} at t = {t}");
+            }
+        }
         let noises = of_friction(reading, definition, &rates, temperature)?;
         let first = (definition.noises.len(), definition.baths.len());
         definition.noises.extend(noises);
