@@ -28,8 +28,8 @@ use super::{
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use mc::{
-    Checkpoint, DampingResolution, DriveResolution, GROUP_PATHS, Ladder, LadderError, NextNoise,
-    Node, Nodes, Observe, Run, RunError, Setup, in_parallel, value_at,
+    DampingResolution, DriveResolution, GROUP_PATHS, Ladder, LadderError, NextNoise, Node, Nodes,
+    Observe, Run, RunError, Setup, in_parallel, value_at,
 };
 
 /// The highest level of the pilot.
@@ -84,20 +84,14 @@ pub struct Kept<'a> {
     levels: Vec<(u64, Vec<Nodes<PathValues<'a>>>)>,
 }
 
-/// The input of every attempt.
-#[derive(Clone, Copy)]
-pub struct Request<'a> {
-    pub expect: &'a Expect<'a>,
-    pub observables: &'a [&'a dyn Observe],
-    pub accuracy: f64,
-    /// Path-steps of all attempts so far, to which the limit applies.
-    pub spent: &'a Cell<u64>,
-}
-
 /// The estimation of E[φ] with one scheme from one coarsest step on.
 pub struct Estimator<'a> {
     candidate: &'a Candidate<'a>,
-    request: Request<'a>,
+    expect: &'a Expect<'a>,
+    observables: &'a [&'a dyn Observe],
+    accuracy: f64,
+    /// Path-steps of all attempts so far, to which the limit applies.
+    spent: &'a Cell<u64>,
     orders: Orders,
     attempt: usize,
     coarsest_steps: u64,
@@ -121,18 +115,24 @@ pub struct Estimator<'a> {
 impl<'a> Estimator<'a> {
     pub fn new(
         candidate: &'a Candidate<'a>,
-        request: Request<'a>,
+        expect: &'a Expect<'a>,
+        observables: &'a [&'a dyn Observe],
+        accuracy: f64,
+        spent: &'a Cell<u64>,
         orders: Orders,
         (attempt, coarsest_steps): (usize, u64),
     ) -> Self {
         let Setup { problem, scheme } = &candidate.setup;
-        let settings = &request.expect.settings;
+        let settings = &expect.settings;
         let noisy = !problem.silent || problem.initial.is_some();
         let reads_areas = scheme.about().reads_areas;
         let halvings = MAX_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
-            request,
+            expect,
+            observables,
+            accuracy,
+            spent,
             orders,
             attempt,
             coarsest_steps,
@@ -154,7 +154,7 @@ impl<'a> Estimator<'a> {
         mut self,
         kept: Option<Kept<'a>>,
     ) -> Result<(Expectation, Option<bool>), RunError> {
-        let Request { expect: Expect { settings, .. }, accuracy, spent, .. } = self.request;
+        let Self { expect: Expect { settings, .. }, accuracy, spent, .. } = self;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
         if let Some(kept) = kept {
             self.restore(kept)?;
@@ -177,9 +177,9 @@ impl<'a> Estimator<'a> {
             self.tell(&sums);
             let last = self.levels.len() - 1;
             let wide = |sum: &Sum| sum.half_width() > accuracy;
-            let biased = |sum: &Sum| if self.noisy { self.is_biased(sum) } else { wide(sum) };
             let unresolved = !self.unresolved().is_empty();
-            let finer = unresolved || sums.iter().any(biased);
+            let finer = unresolved
+                || sums.iter().any(|sum| if self.noisy { self.is_biased(sum) } else { wide(sum) });
             let lost = sums.iter().map(|sum| sum.lost).fold(0.0, f64::max);
             if lost > LOST * accuracy {
                 let [before, share] = [0, PILOT_LEVEL].map(|level| self.levels[level].lost());
@@ -225,10 +225,9 @@ impl<'a> Estimator<'a> {
             };
             let samples = &self.levels[level];
             let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
-            let limit = if cost > max_cost || samples.points >= MAX_POINTS {
-                let text = "the accuracy was not reached with the";
-                let text = format!("{text} {max_cost} path-steps allowed");
-                (WarningKind::Cost, Message::new(text))
+            let (kind, what) = if cost > max_cost || samples.points >= MAX_POINTS {
+                let what = "the accuracy was not reached with the";
+                (WarningKind::Cost, format!("{what} {max_cost} path-steps allowed"))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
@@ -237,25 +236,26 @@ impl<'a> Estimator<'a> {
                 continue;
             } else {
                 let what = if sums.iter().any(wide) { "accuracy" } else { "least bias" };
-                let what = format!("stopped before the {what} was reached");
-                (WarningKind::Stopped, Message::new(what))
+                (WarningKind::Stopped, format!("stopped before the {what} was reached"))
             };
             self.levels.retain(|samples| samples.paths > 0);
             self.first = self.first.min(self.levels.len() - 1);
-            break Some(limit);
+            break Some((kind, Message::new(what)));
         };
         Ok((self.report(limit), helps))
     }
 
     /// Samples the first levels, except those that were restored.
     fn begin(&mut self, pilot: u64) -> Result<(), RunError> {
-        let (kept, max_cost) = (self.levels.len(), self.request.expect.settings.max_cost);
+        let (kept, max_cost) = (self.levels.len(), self.expect.settings.max_cost);
         if kept > PILOT_LEVEL {
             return Ok(());
         }
         (kept..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
-        let costs = self.levels[kept..].iter().map(|samples| self.cost(samples, pilot));
-        let pilot_cost = costs.fold(self.request.spent.get(), u64::saturating_add);
+        let pilot_cost = self.levels[kept..]
+            .iter()
+            .map(|samples| self.cost(samples, pilot))
+            .fold(self.spent.get(), u64::saturating_add);
         if pilot_cost > max_cost {
             return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
@@ -275,17 +275,18 @@ impl<'a> Estimator<'a> {
             self.add_level()?;
             let empty = self.empty(level);
             let (ladder, nodes) = &mut self.ladders[level];
-            let mut complete = Vec::new();
-            for (nodes, mut whole) in nodes.iter_mut().zip(replicates) {
+            let join = |(nodes, mut whole): (&mut Nodes<_>, Nodes<PathValues<'a>>)| {
                 whole.iter_mut().for_each(|node| node.sum.0.observables = empty.observables);
                 let later = whole.split_off(1.min(whole.len()));
-                complete.push(ladder.join(&mut whole, &|| empty.clone()));
+                let sum = ladder.join(&mut whole, &|| empty.clone());
                 *nodes = [whole, later].concat();
-            }
+                sum
+            };
+            let complete = nodes.iter_mut().zip(replicates).map(join).collect();
             self.levels[level].take(complete, points);
         }
         self.levels.retain(|samples| samples.points > 0);
-        self.request.spent.set(kept.spent);
+        self.spent.set(kept.spent);
         self.first = kept.first;
         Ok(())
     }
@@ -293,22 +294,22 @@ impl<'a> Estimator<'a> {
     /// Writes the checkpoint if it is due, or at the end. [`Checkpoint::failure`] says if that
     /// fails.
     fn keep(&self) {
-        let Request { expect: Expect { settings, checkpoint, .. }, spent, .. } = self.request;
-        let due = |to: &&Checkpoint| settings.stop.is_asked() || to.is_due();
-        let Some(checkpoint) = checkpoint.filter(due) else { return };
+        let &Self { expect: Expect { settings, checkpoint, .. }, spent, .. } = self;
+        let Some(checkpoint) = checkpoint.filter(|to| settings.stop.is_asked() || to.is_due())
+        else {
+            return;
+        };
         let complete = self.levels.iter().filter(|samples| samples.points > 0).count();
         // As a [`Kept`].
-        let (first, points) =
-            (self.first.min(complete.saturating_sub(1)), |samples: &Samples| samples.points);
-        let levels =
-            self.levels.iter().map(points).zip(self.ladders.iter().map(|(_, nodes)| nodes));
-        let levels: Vec<_> = levels.collect();
+        let first = self.first.min(complete.saturating_sub(1));
+        let points = self.levels.iter().map(|samples| samples.points);
+        let levels: Vec<_> = points.zip(self.ladders.iter().map(|(_, nodes)| nodes)).collect();
         _ = checkpoint.write(&(self.attempt, spent.get(), first, levels));
     }
 
     /// Values of a level without samples.
     fn empty(&self, level: usize) -> PathValues<'a> {
-        let observables = self.request.observables;
+        let observables = self.observables;
         let rows = self.candidate.setup.start();
         let starts: Vec<f64> = observables.iter().map(|phi| value_at(*phi, &rows)).collect();
         PathValues {
@@ -323,28 +324,26 @@ impl<'a> Estimator<'a> {
 
     /// Reports the largest half-width, and the part of the work that is done.
     fn tell(&self, sums: &[Sum]) {
-        let Request { expect, accuracy, .. } = self.request;
         let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
         // Errors fall as N^{−1/2} for random points, and as N^{−2/3} or faster for Sobol points.
         let growth = if self.sobol { 1.5 } else { 2.0 };
-        let lacks = ln((half_width / accuracy).max(1.0));
-        (expect.told)(half_width, exp(-growth * lacks));
+        let lacks = ln((half_width / self.accuracy).max(1.0));
+        (self.expect.told)(half_width, exp(-growth * lacks));
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
     fn is_biased(&self, sum: &Sum) -> bool {
         let Extrapolation { size, standard_error, .. } = sum.extrapolation;
-        let [least, most] = [BIAS_ENOUGH, BIAS_SHARE].map(|part| part * self.request.accuracy);
+        let [least, most] = [BIAS_ENOUGH, BIAS_SHARE].map(|part| part * self.accuracy);
         let share = (BIAS_PART * sum.spread()).clamp(least, most);
         size > share + sum.quantile() * standard_error
     }
 
     /// Warnings of what the steps of the last level do not resolve.
     fn unresolved(&self) -> Vec<Warning> {
-        let Request { observables, accuracy, .. } = self.request;
-        let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
+        let names: Vec<&str> = self.observables.iter().map(|phi| phi.name()).collect();
         let drive = self.drive.unresolved(self.steps(self.levels.len() - 1));
-        let wanted = (accuracy, self.is_single(self.first));
+        let wanted = (self.accuracy, self.is_single(self.first));
         unresolved(&self.levels[1..], (&self.damping, drive), &names, wanted)
     }
 
@@ -352,26 +351,23 @@ impl<'a> Estimator<'a> {
     /// are fine enough; else those of finer levels that the damping needs.
     fn least_cost(&self, sums: &[Sum], finer: bool) -> f64 {
         let last = &self.levels[self.levels.len() - 1];
-        let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
-        match finer {
-            false => {
-                let costs = sums.iter().map(|sum| sum.cost(self.request.accuracy, MIN_GROWTH));
-                costs.fold(0.0, f64::max)
-            }
-            // A pilot on a level with as many more steps, and on those below it.
-            true if self.noisy && exponent > 1.0 => {
-                2.0 * self.cost(last, GROUP_PATHS) as f64 * exponent
-            }
-            true => 0.0,
+        if !finer {
+            let costs = sums.iter().map(|sum| sum.cost(self.accuracy, MIN_GROWTH));
+            return costs.fold(0.0, f64::max);
         }
+        let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
+        // A pilot on a level with as many more steps, and on those below it.
+        let lasts = self.noisy && exponent > 1.0;
+        if lasts { 2.0 * self.cost(last, GROUP_PATHS) as f64 * exponent } else { 0.0 }
     }
 
     /// The numbers of the test functions for which more samples are of use: those with a variance,
     /// or all until steps resolve the motion.
     fn numbers(&self) -> Vec<usize> {
         let unresolved = !self.unresolved().is_empty() && self.levels.len() <= self.max_level;
-        let is_of_use = |&k: &usize| unresolved || tail(&self.levels, k).has_variance();
-        (0..self.request.observables.len()).filter(is_of_use).collect()
+        (0..self.observables.len())
+            .filter(|&k| unresolved || tail(&self.levels, k).has_variance())
+            .collect()
     }
 
     /// Whether the sum is of single paths if it begins with this level.
@@ -386,26 +382,28 @@ impl<'a> Estimator<'a> {
 
     /// Adds a level without points.
     fn add_level(&mut self) -> Result<(), RunError> {
-        let (level, problem) = (self.levels.len(), &self.candidate.setup.problem);
-        let Expect { settings, counted, .. } = self.request.expect;
+        let (level, Setup { problem, scheme }) = (self.levels.len(), &self.candidate.setup);
+        let Expect { settings, counted, parameters, scores, .. } = self.expect;
         let &ExpectSettings { key, truncation, .. } = settings;
         let (steps, family) = (self.steps(level), Purpose::Level(level as u64));
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
         let ladder = Ladder::of(problem, steps, levels, truncation, (key, family), runs)?;
         let mut ladder = ladder.fitting(GROUP_PATHS * self.replicates)?.telling(counted);
         // Two normals for each step and noise with space-time areas.
-        let reads_two = self.candidate.setup.scheme.about().reads_space_time;
+        let reads_two = scheme.about().reads_space_time;
         let pieces = if reads_two { steps.saturating_mul(2) } else { steps };
         if self.sobol && pieces.saturating_mul(problem.noises as u64) <= MAX_DIMENSIONS {
             let key = key.beside(family);
             let wiener = QuasiWiener::new(key, 0, pieces, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
-            let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));
-            ladder = ladder.with_noise(points(scrambles.collect(), problem.noises));
+            ladder = ladder.with_noise(points(
+                (0..self.replicates).map(|number| wiener.of_scramble(number)).collect(),
+                problem.noises,
+            ));
         }
         // Of the paths side by side.
-        let paths = 1 + self.request.expect.number_nearby() as u64;
-        let cost_per_path = paths * ladder.steps_per_path();
+        let nearby = if scores.is_none() { parameters.len() } else { 0 };
+        let cost_per_path = (1 + nearby as u64) * ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
         if self.ladders.len() == level {
             self.ladders.push((ladder, vec![Vec::new(); self.replicates as usize]));
@@ -420,9 +418,8 @@ impl<'a> Estimator<'a> {
 
     /// Draws points of every replicate of a level up to `points`; false if it is stopped.
     fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
-        let before = self.levels[level].points;
-        let new_cost = self.cost(&self.levels[level], points - before);
-        let Request { expect: Expect { settings, .. }, observables, spent, .. } = self.request;
+        let new_cost = self.cost(&self.levels[level], points - self.levels[level].points);
+        let &mut Self { expect: Expect { settings, .. }, observables, spent, .. } = self;
         let new = self.empty(level);
         let empty = || new.clone();
         let groups = points.div_ceil(GROUP_PATHS);
@@ -434,7 +431,7 @@ impl<'a> Estimator<'a> {
             // stopped.
             let more = in_parallel(0..self.replicates, &|replicate| {
                 let first = replicate * ScrambledSobol::POINTS;
-                let (first, begin) = (first, first / GROUP_PATHS);
+                let begin = first / GROUP_PATHS;
                 let next = nodes[replicate as usize].last().map_or(begin, Node::end);
                 let groups = next..(begin + done).max(next);
                 ladder.nodes(&settings.stop, first + points, groups, &empty)
@@ -471,19 +468,18 @@ impl<'a> Estimator<'a> {
     /// Whether test function number k is smooth and the same to the bit on all paths of each level:
     /// noise does not move it.
     pub fn is_still(&self, k: usize) -> bool {
-        self.request.observables[k].is_smooth() == Some(true)
+        self.observables[k].is_smooth() == Some(true)
             && self.levels.iter().all(|level| level.values.get(k).is_none_or(Values::is_blind))
     }
 
     /// Range of test function number k: that on all levels so far, or one if it is the same on all;
     /// zero if nothing moves it.
     fn range(&self, k: usize) -> f64 {
-        let ranges = self.levels.iter().filter_map(|level| level.values.get(k)).map(Values::range);
-        let range = ranges.fold(None, hull);
-        let spread = range.map_or(0.0, |(least, largest)| largest - least);
-        match self.noisy && !self.is_still(k) {
-            true if spread > 0.0 => spread,
-            moves => f64::from(u8::from(moves)),
+        let ranges = self.levels.iter().filter_map(|level| level.values.get(k)?.range());
+        match hull(ranges) {
+            _ if !self.noisy || self.is_still(k) => 0.0,
+            Some((least, largest)) if largest > least => largest - least,
+            _ => 1.0,
         }
     }
 
@@ -494,14 +490,12 @@ impl<'a> Estimator<'a> {
         let from = differences.len().saturating_sub(BIAS_LEVELS);
         let (last, of_last) = (&differences[from..], &self.levels[1 + from..]);
         // Single paths are extrapolated from below: all differences must show the order.
-        let (single, all) = (self.is_single(first), (&self.levels[1..], &differences[..]));
-        let (levels, terms) = if single { all } else { (of_last, last) };
+        let single = self.is_single(first);
+        let (levels, terms) =
+            if single { (&self.levels[1..], &*differences) } else { (of_last, last) };
         let seen = (alpha(levels, terms, k), beta(of_last, k));
-        let orders = match self.noisy {
-            true => self.orders,
-            false => seen_orders(last, self.orders),
-        };
-        let mut extrapolation = match self.request.observables[k].is_smooth() {
+        let orders = if self.noisy { self.orders } else { seen_orders(last, self.orders) };
+        let mut extrapolation = match self.observables[k].is_smooth() {
             Some(false) if !self.noisy => Extrapolation::of_no_order(last),
             _ => extrapolation(last, orders, seen, single),
         };
@@ -520,9 +514,9 @@ impl<'a> Estimator<'a> {
     /// for all test functions together. Two differences are above it, which extrapolation needs; or
     /// the last one, if single paths need less by far.
     fn first_level(&self) -> usize {
-        let root = |first: usize, k: usize| {
-            let terms = self.sum_from(first, k).terms;
-            terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
+        let root = |first: usize, k: usize| -> f64 {
+            let sum = self.sum_from(first, k);
+            sum.terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum()
         };
         let (numbers, last) = (self.numbers(), self.levels.len() - 1);
         let mut totals = vec![0.0; last - 1];
@@ -548,20 +542,19 @@ impl<'a> Estimator<'a> {
     /// one is, else the one on which a path-step gains most for the function that gains most (Giles
     /// and Waterhouse 2009).
     fn worst(&self, sums: &[Sum]) -> usize {
-        let accuracy = self.request.accuracy;
+        let accuracy = self.accuracy;
         let wide = || sums.iter().filter(|sum| sum.half_width() > accuracy);
         let most = |n: usize| wide().map(|sum| sum.gain(n)).fold(0.0, f64::max);
         let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= accuracy);
         let cost = |n: usize| sums[0].terms[n].cost;
-        let terms = 0..sums[0].terms.len();
-        let cheapest =
-            terms.clone().filter(|&n| enough(n)).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
-        let best = || terms.max_by(|&a, &b| most(a).total_cmp(&most(b)));
-        self.levels.len() - sums[0].terms.len() + cheapest.or_else(best).unwrap_or(0)
+        let terms = || 0..sums[0].terms.len();
+        let cheapest = terms().filter(|&n| enough(n)).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+        let best = || terms().max_by(|&a, &b| most(a).total_cmp(&most(b)));
+        self.levels.len() - terms().end + cheapest.or_else(best).unwrap_or(0)
     }
 
     fn report(self, limit: Option<(WarningKind, Message)>) -> Expectation {
-        let Self { ref levels, first, noisy, ref request, candidate, .. } = self;
+        let Self { ref levels, first, candidate, .. } = self;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
@@ -571,9 +564,10 @@ impl<'a> Estimator<'a> {
             let tail = tail(levels, k);
             Estimate {
                 name: phi.name().to_owned(),
-                value: match tail.has_mean() {
-                    true => sum.over(|weight, term| weight * term.mean),
-                    false => f64::NAN,
+                value: if tail.has_mean() {
+                    sum.over(|weight, term| weight * term.mean)
+                } else {
+                    f64::NAN
                 },
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
@@ -586,10 +580,15 @@ impl<'a> Estimator<'a> {
                 judged: Judged::default(),
             }
         };
-        let mut estimates: Vec<_> = request.observables.iter().enumerate().map(estimate).collect();
-        let (order, unresolved) = (self.orders.weak, self.unresolved());
-        let still = (0..request.observables.len()).map(|k| self.is_still(k)).collect();
-        let evidence = Evidence { levels, first, order, noisy, still, unresolved };
+        let mut estimates: Vec<_> = self.observables.iter().enumerate().map(estimate).collect();
+        let evidence = Evidence {
+            levels,
+            first,
+            order: self.orders.weak,
+            noisy: self.noisy,
+            still: (0..estimates.len()).map(|k| self.is_still(k)).collect(),
+            unresolved: self.unresolved(),
+        };
         let mut warnings = evidence.judge(&mut estimates);
         warnings.extend(limit.map(|(kind, text)| Warning::of_all(kind, text)));
         let level = |samples: &Samples| Level {
@@ -603,9 +602,9 @@ impl<'a> Estimator<'a> {
         Expectation {
             gradient: Vec::new(),
             scheme: candidate.setup.scheme.about().id,
-            accuracy: request.accuracy,
+            accuracy: self.accuracy,
             single_steps: self.is_single(first).then(|| self.steps(first)),
-            cost: request.spent.get(),
+            cost: self.spent.get(),
             levels: levels.iter().map(level).collect(),
             warnings,
             estimates,

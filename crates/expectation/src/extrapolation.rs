@@ -90,8 +90,10 @@ pub fn extrapolation(
     let lowest = lowest(orders.weak);
     // The upper end of the observed order, if that is less than the one given.
     let seen = alpha.map_or(orders.weak, |alpha| orders.weak.min(alpha.upper).max(lowest));
-    let local = differences.windows(2).filter_map(|pair| local_order(&pair[0], &pair[1]));
-    let least = local.fold(seen, f64::min);
+    let least = differences
+        .windows(2)
+        .filter_map(|pair| local_order(&pair[0], &pair[1]))
+        .fold(seen, f64::min);
     let falls = least >= orders.weak - ORDER_TOLERANCE;
     let order = if falls { orders.weak } else { least.max(lowest) };
     let rough = beta.is_some_and(|beta| beta.value < SMOOTH);
@@ -143,20 +145,20 @@ fn local_order(before: &Term, last: &Term) -> Option<f64> {
 
 /// Rate at which the means of the differences fall, if all that are significant have one sign.
 pub fn alpha(differences: &[Samples], terms: &[Term], k: usize) -> Option<Rate> {
-    let significant = differences.iter().zip(terms).filter(|(samples, term)| {
-        let margin = SIGNIFICANT * term.variance.sqrt() + term.missed;
-        samples.values[k].varies() && term.mean.abs() > margin
-    });
-    let significant: Vec<_> = significant.collect();
-    let positive = significant.iter().filter(|(_, term)| term.mean > 0.0).count();
-    if positive != 0 && positive != significant.len() {
+    let margin = |term: &Term| SIGNIFICANT * term.variance.sqrt() + term.missed;
+    let significant = differences
+        .iter()
+        .zip(terms)
+        .filter(|(samples, term)| samples.values[k].varies() && term.mean.abs() > margin(term));
+    let positive = significant.clone().filter(|(_, term)| term.mean > 0.0).count();
+    if positive != 0 && positive != significant.clone().count() {
         return None;
     }
-    let point = |(samples, term): &(&Samples, &Term)| {
+    let point = |(samples, term): (&Samples, &Term)| {
         let relative = term.variance / (term.mean * term.mean * LN_2 * LN_2);
         (samples.level, log2(term.mean.abs()), relative)
     };
-    decay(&significant.iter().map(point).collect::<Vec<_>>())
+    decay(&significant.map(point).collect::<Vec<_>>())
 }
 
 /// Rate at which the variances of the differences fall. The relative variance of a sample variance

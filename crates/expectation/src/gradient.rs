@@ -6,12 +6,13 @@
 //! their size, for fields and φ without jumps. Levels and Sobol points serve derivatives as they
 //! serve values.
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, golden};
 use schemes::{About, Method, Step, Stepper};
+use stats::worse;
 use systems::Damping;
 
 use super::{Candidate, Expect, Expectation};
@@ -31,28 +32,6 @@ pub struct Nearby<'a> {
     pub expect: Expect<'a>,
     /// The test functions, which may depend on the parameter.
     pub observables: Vec<&'a dyn Observe>,
-}
-
-/// The parameters of derivatives.
-pub struct Parameter<'a> {
-    pub name: String,
-    pub(super) change: f64,
-    pub(super) offset: f64,
-    pub(super) curvature: f64,
-    pub(super) slope: Slope<'a>,
-}
-
-/// Samples of a derivative.
-pub enum Slope<'a> {
-    /// Differences along paths, with the test functions nearby.
-    Along(Vec<&'a dyn Observe>),
-    /// (φ − c)S with the score S in a row, and c of each test function.
-    Score {
-        /// The row of S.
-        row: usize,
-        /// The numbers c.
-        centres: Vec<f64>,
-    },
 }
 
 /// Distance of nearby states, over their size, that a pilot takes for close.
@@ -77,63 +56,43 @@ impl<'a> Expect<'a> {
     /// [`RunError::Setting`] if a nearby problem has other schemes. Laws of random initial values
     /// must not depend on parameters, and are not looked at.
     pub fn with_gradient(mut self, nearby: Vec<Nearby<'a>>) -> Result<Self, RunError> {
-        let mut all: Vec<Vec<Candidate<'a>>> = Vec::new();
-        for Nearby { parameter, change, offset, curvature, expect, observables } in nearby {
-            let ids = |expect: &Expect<'_>| -> Vec<&str> {
-                expect.candidates.iter().map(|one| one.setup.scheme.about().id).collect()
-            };
-            if ids(&expect) != ids(&self) {
-                let why = "the nearby problem has other schemes: choose one that both have";
-                return Err(RunError::Setting(format!("derivative by {parameter}: {why}")));
-            }
-            all.push(expect.candidates);
-            let slope = Slope::Along(observables);
-            let name = parameter;
-            self.parameters.push(Parameter { name, change, offset, curvature, slope });
+        let ids = |expect: &Expect<'_>| -> Vec<&str> {
+            expect.candidates.iter().map(|one| one.setup.scheme.about().id).collect()
+        };
+        if let Some(one) = nearby.iter().find(|one| ids(&one.expect) != ids(&self)) {
+            let why = "the nearby problem has other schemes: choose one that both have";
+            return Err(RunError::Setting(format!("derivative by {}: {why}", one.parameter)));
         }
         for (k, candidate) in self.candidates.iter_mut().enumerate() {
             let problem = &candidate.setup.problem;
-            let near = |of: &Candidate<'a>, scheme: &Arc<dyn Method + 'a>| {
-                let other = &of.setup.problem;
-                let damping = other.damping;
-                let shift = problem.y0.iter().zip(&other.y0).map(|(y, near)| near - y).collect();
-                Near { method: Arc::clone(scheme), damping, shift }
-            };
-            let beside = |method: &Arc<dyn Method + 'a>, mirror: bool| {
-                let of = |all: &Vec<Candidate<'a>>| {
-                    let own = &all[k];
-                    let scheme = own.mirror.as_ref().filter(|_| mirror);
-                    near(own, scheme.unwrap_or(&own.setup.scheme))
+            let beside = |method: &Arc<dyn Method + 'a>, is_mirror: bool| {
+                let near = |one: &Nearby<'a>| {
+                    let Candidate { setup, mirror, .. } = &one.expect.candidates[k];
+                    let method = mirror.as_ref().filter(|_| is_mirror).unwrap_or(&setup.scheme);
+                    Near::new(problem, &setup.problem, method)
                 };
-                let nearby = all.iter().map(of).collect();
-                let dimension = problem.y0.len();
-                Arc::new(SideBySide { method: Arc::clone(method), dimension, nearby }) as _
+                SideBySide::of(method, problem, nearby.iter().map(near).collect())
             };
             let mirror = candidate.mirror.as_ref().map(|mirror| beside(mirror, true));
             let scheme = beside(&candidate.setup.scheme, false);
             (candidate.setup.scheme, candidate.mirror) = (scheme, mirror);
         }
+        self.parameters.extend(nearby);
         Ok(self)
-    }
-
-    /// Number of paths beside each.
-    pub(super) fn number_nearby(&self) -> usize {
-        let along = |one: &&Parameter<'_>| matches!(one.slope, Slope::Along(_));
-        self.parameters.iter().filter(along).count()
     }
 
     /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
     /// 10⁻⁶ of it, or what curvature is known to add, and rounding errors of φ over the change, of
     /// each value its offset, which is taken out.
     pub(super) fn bound(&self, found: &mut Expectation) {
-        for (parameter, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
-            let pairs = found.estimates.iter_mut().zip(slopes);
+        for (one, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
             // One without a mean has no bound.
-            for (own, slope) in pairs.filter(|(_, slope)| slope.value.is_finite()) {
-                let rounding = ROUND_OFF * own.value.abs() / parameter.change.abs();
-                slope.bias_bound +=
-                    parameter.curvature.max(CURVATURE) * slope.value.abs() + rounding;
-                let shift = slope.value * parameter.offset;
+            for (own, slope) in
+                found.estimates.iter_mut().zip(slopes).filter(|(_, slope)| slope.value.is_finite())
+            {
+                let rounding = ROUND_OFF * own.value.abs() / one.change.abs();
+                slope.bias_bound += one.curvature.max(CURVATURE) * slope.value.abs() + rounding;
+                let shift = slope.value * one.offset;
                 own.value -= shift;
                 own.bias_bound += shift.abs();
             }
@@ -145,21 +104,20 @@ impl<'a> Expect<'a> {
     /// rounding errors and curvature. The size of a component is the largest on the way. Steps are
     /// as short as keeps states close, of some numbers. NaN where all paths fail. Areas are zero.
     pub fn distances(&self, observables: &[&dyn Observe]) -> Vec<f64> {
-        let (setup, number) = (&self.candidates[0].setup, self.parameters.len());
-        let Apart { mut largest, rows, live, .. } = self.apart(setup, number, &PILOTS);
-        let states: Vec<&[Row]> = rows.chunks(setup.problem.y0.len()).collect();
-        let parameters = self.parameters.iter().zip(&states[1..]);
-        let mut rounded = states[0].to_vec();
+        let setup = &self.candidates[0].setup;
+        let Apart { mut largest, rows, live, .. } =
+            self.apart(setup, self.parameters.len(), &PILOTS);
+        let (state, others) = rows.split_at(setup.problem.y0.len());
+        let mut rounded = state.to_vec();
         for (n, row) in rounded.iter_mut().enumerate() {
             let part = f64::EPSILON * (4.0 * golden(n as f64 + 1.0) - 2.0);
             row.iter_mut().for_each(|y| *y += part * *y);
         }
-        for (distance, (Parameter { slope, .. }, state)) in largest.iter_mut().zip(parameters) {
-            let Slope::Along(nearby) = slope else { continue };
-            for (phi, near) in observables.iter().zip(nearby) {
-                let rounded = phi.values(&rounded, live);
-                let [phi, near] =
-                    [(phi, states[0]), (near, *state)].map(|(of, y)| of.values(y, live));
+        let nearby = self.parameters.iter().zip(others.chunks(state.len()));
+        for (distance, (one, other)) in largest.iter_mut().zip(nearby) {
+            for (phi, near) in observables.iter().zip(&one.observables) {
+                let (rounded, near) = (phi.values(&rounded, live), near.values(other, live));
+                let phi = phi.values(state, live);
                 let finite = || live.paths().filter(|&p| phi[p].is_finite());
                 let size = rms(finite().map(|p| phi[p]));
                 // φ is zero but for rounding errors, and shows no distance.
@@ -180,15 +138,17 @@ impl<'a> Expect<'a> {
     /// component between their initial values: exponential where motion is chaotic.
     pub fn growth(&self) -> f64 {
         let mut setup = self.candidates[0].setup.clone();
-        let Problem { y0, damping, .. } = &setup.problem;
-        let (d, sizes) = (y0.len(), self.apart(&setup, 0, &PILOTS[1..]).sizes);
+        let Setup { problem, scheme } = &setup;
+        let sizes = self.apart(&setup, 0, &PILOTS[1..]).sizes;
         let part = |i: usize| SEPARATION * golden(i as f64 + 1.0);
-        let shift = (0..d).map(|i| part(i) * sizes[i]).collect();
-        let nearby = vec![Near { method: Arc::clone(&setup.scheme), damping: *damping, shift }];
-        let moves = (0..d).filter(|&i| sizes[i] > 0.0);
-        let begun = moves.map(|i| part(i).powi(2)).sum::<f64>().sqrt();
-        let method = Arc::clone(&setup.scheme);
-        setup.scheme = Arc::new(SideBySide { method, dimension: d, nearby });
+        let shift = (0..sizes.len()).map(|i| part(i) * sizes[i]).collect();
+        let near = Near { method: Arc::clone(scheme), damping: problem.damping, shift };
+        let begun = (0..sizes.len())
+            .filter(|&i| sizes[i] > 0.0)
+            .map(|i| part(i).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        setup.scheme = SideBySide::of(scheme, problem, vec![near]);
         self.apart(&setup, 1, &PILOTS[1..]).all[0] / begun
     }
 
@@ -212,9 +172,7 @@ impl<'a> Expect<'a> {
                 if apart == 0.0 && !live.is_empty() { 0.0 } else { apart / sizes[i] }
             };
             let parts = |k: usize| (0..d).map(move |i| part(k, i));
-            // The larger one; NaN if one is.
-            let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
-            let largest: Vec<f64> = (0..number).map(|k| parts(k).fold(0.0, larger)).collect();
+            let largest: Vec<f64> = (0..number).map(|k| parts(k).fold(0.0, worse)).collect();
             let all = (0..number).map(|k| parts(k).map(|x| x * x).sum::<f64>().sqrt()).collect();
             let close = largest.iter().all(|&distance| distance < APART);
             found = Apart { sizes, largest, all, rows, live };
@@ -228,31 +186,25 @@ impl<'a> Expect<'a> {
     /// The test functions on the rows of paths, and their derivatives.
     pub(super) fn with_slopes<'b>(&'b self, observables: &[&'b dyn Observe]) -> Vec<OnRows<'b>> {
         let dimension = self.candidates[0].setup.problem.y0.len();
-        // Scores come after all rows of a path, and the first is that of the first parameter.
-        let own = match self.parameters[0].slope {
-            Slope::Score { row, .. } => 0..row,
-            Slope::Along(_) => 0..dimension,
+        // Scores come after all rows of a path.
+        let rows = self.scores.as_ref().map_or(dimension, |(first, _)| *first);
+        let plain = |phi: &&'b dyn Observe| OnRows {
+            name: phi.name().to_owned(),
+            phi: *phi,
+            rows,
+            sample: None,
         };
-        let on_rows = |(n, phi): (usize, &&'b dyn Observe),
-                       of: Option<(usize, &'b Parameter<'a>)>| {
-            let name = match of {
-                Some((_, parameter)) => format!("∂{}/∂{}", phi.name(), parameter.name),
-                None => phi.name().to_owned(),
-            };
-            let sample = of.map(|(k, Parameter { slope, change, .. })| match slope {
-                Slope::Along(near) => {
-                    let first = (k + 1) * dimension;
-                    Sample::Difference(near[n], first..first + dimension, *change)
-                }
-                Slope::Score { row, centres } => Sample::Weighted(*row, centres[n]),
-            });
-            OnRows { name, phi: *phi, rows: own.clone(), sample }
-        };
-        let parameters = self.parameters.iter().enumerate();
-        let all = [None].into_iter().chain(parameters.map(Some));
-        all.flat_map(|of| observables.iter().enumerate().map(move |phi| (phi, of)))
-            .map(|(phi, of)| on_rows(phi, of))
-            .collect()
+        let slopes = self.parameters.iter().enumerate().flat_map(|(k, one)| {
+            observables.iter().enumerate().map(move |(n, phi)| OnRows {
+                name: format!("∂{}/∂{}", phi.name(), one.parameter),
+                sample: Some(match &self.scores {
+                    Some((first, centres)) => Sample::Weighted(first + k, centres[n]),
+                    None => Sample::Difference(one.observables[n], (k + 1) * dimension, one.change),
+                }),
+                ..plain(phi)
+            })
+        });
+        observables.iter().map(plain).chain(slopes).collect()
     }
 }
 
@@ -301,14 +253,16 @@ pub(super) fn march(
 pub struct OnRows<'a> {
     name: String,
     phi: &'a dyn Observe,
-    rows: Range<usize>,
+    /// Number of rows that φ reads.
+    rows: usize,
     sample: Option<Sample<'a>>,
 }
 
 /// A sample of a derivative.
 enum Sample<'a> {
-    /// The difference from the function nearby of its rows, over the change of the parameter.
-    Difference(&'a dyn Observe, Range<usize>, f64),
+    /// The difference from the function nearby of rows from this one on, over the change of the
+    /// parameter.
+    Difference(&'a dyn Observe, usize, f64),
     /// The difference from a number, times the score in a row.
     Weighted(usize, f64),
 }
@@ -319,14 +273,14 @@ impl Observe for OnRows<'_> {
     }
 
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        self.phi.evaluate(&y[self.rows.clone()], live, values);
-        match &self.sample {
-            Some(Sample::Difference(near, rows, change)) => {
-                let nearby = near.values(&y[rows.clone()], live);
+        self.phi.evaluate(&y[..self.rows], live, values);
+        match self.sample {
+            Some(Sample::Difference(near, first, change)) => {
+                let nearby = near.values(&y[first..first + self.rows], live);
                 live.paths().for_each(|p| values[p] = (nearby[p] - values[p]) / change);
             }
             Some(Sample::Weighted(row, centre)) => {
-                live.paths().for_each(|p| values[p] = (values[p] - centre) * y[*row][p]);
+                live.paths().for_each(|p| values[p] = (values[p] - centre) * y[row][p]);
             }
             None => {}
         }
@@ -364,6 +318,25 @@ pub struct Near<'a> {
     pub shift: Vec<f64>,
 }
 
+impl<'a> SideBySide<'a> {
+    /// The method of a problem beside nearby ones.
+    pub fn of(
+        method: &Arc<dyn Method + 'a>,
+        problem: &Problem<'_>,
+        nearby: Vec<Near<'a>>,
+    ) -> Arc<dyn Method + 'a> {
+        Arc::new(Self { method: Arc::clone(method), dimension: problem.y0.len(), nearby })
+    }
+}
+
+impl<'a> Near<'a> {
+    /// The method of a problem near another one.
+    pub fn new(own: &Problem<'_>, near: &Problem<'a>, method: &Arc<dyn Method + 'a>) -> Self {
+        let shift = own.y0.iter().zip(&near.y0).map(|(y, near)| near - y).collect();
+        Self { method: Arc::clone(method), damping: near.damping, shift }
+    }
+}
+
 impl Method for SideBySide<'_> {
     fn about(&self) -> About {
         self.method.about()
@@ -371,30 +344,22 @@ impl Method for SideBySide<'_> {
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let (state, others) = y.split_at(self.dimension);
-        let mut rows = state.to_vec();
-        let mut all = vec![One { stepper: self.method.start(state), damping: None }];
-        for (k, near) in self.nearby.iter().enumerate() {
-            let shifted = |(row, shift): (&Row, &f64)| row.map(|y| y + shift);
-            let known = others.get(k * self.dimension..(k + 1) * self.dimension);
-            let start = known.map_or_else(
-                || state.iter().zip(&near.shift).map(shifted).collect(),
-                <[Row]>::to_vec,
-            );
-            all.push(One { stepper: near.method.start(&start), damping: Some(near.damping) });
+        let (mut rows, mut known) = (state.to_vec(), others.chunks(self.dimension));
+        let mut all = vec![(self.method.start(state), None)];
+        for Near { method, damping, shift } in &self.nearby {
+            let shifted =
+                || state.iter().zip(shift).map(|(row, shift)| row.map(|y| y + shift)).collect();
+            let start = known.next().map_or_else(shifted, <[Row]>::to_vec);
+            all.push((method.start(&start), Some(*damping)));
             rows.extend(start);
         }
         Box::new(Side { all, dimension: self.dimension, rows })
     }
 }
 
-/// One of several steppers side by side; the damping of the first is that of the steps.
-struct One<'a> {
-    stepper: Box<dyn Stepper + 'a>,
-    damping: Option<&'a dyn Damping>,
-}
-
 struct Side<'a> {
-    all: Vec<One<'a>>,
+    /// The steppers with their dampings; that of the first is in the steps.
+    all: Vec<(Box<dyn Stepper + 'a>, Option<&'a dyn Damping>)>,
     dimension: usize,
     rows: Vec<Row>,
 }
@@ -411,11 +376,10 @@ impl Stepper for Side<'_> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         let mut failed = PathMask::default();
         let mut own = BlockStatus::explicit();
-        for (k, One { stepper, damping }) in self.all.iter_mut().enumerate().rev() {
-            let rows = &mut self.rows[k * self.dimension..(k + 1) * self.dimension];
+        let states = self.rows.chunks_mut(self.dimension);
+        for ((stepper, damping), rows) in self.all.iter_mut().zip(states).rev() {
             stepper.state_mut().copy_from_slice(rows);
-            let changed =
-                damping.and_then(|damping| Step::new(damping, step.number(), step.tau).ok());
+            let changed = damping.and_then(|of| Step::new(of, step.number(), step.tau).ok());
             stepper.step(changed.as_ref().unwrap_or(step), noise, &mut own);
             rows.copy_from_slice(stepper.state());
             failed = failed.or(own.failed);
@@ -426,8 +390,8 @@ impl Stepper for Side<'_> {
 
     fn rests(&mut self, live: PathMask) -> bool {
         let mut all = true;
-        for one in &mut self.all {
-            all &= one.stepper.rests(live);
+        for (stepper, _) in &mut self.all {
+            all &= stepper.rests(live);
         }
         all
     }

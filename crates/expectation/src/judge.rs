@@ -45,18 +45,16 @@ impl Evidence<'_> {
                 let message = Message::new(what).with_reason("this may bias the estimate");
                 Warning::of_all(WarningKind::FailedPaths, message)
             })
+            .chain(self.unresolved.iter().cloned())
             .collect();
-        warnings.extend(self.unresolved.iter().cloned());
         for (k, estimate) in estimates.iter_mut().enumerate() {
             let (few, order) = (self.few_samples(k), estimate.alpha.and_then(|a| self.slow(a)));
-            let neighbours =
-                self.levels.windows(2).map(|pair| (deviation(&pair[0], &pair[1], k), pair));
-            let apart = neighbours.filter(|(deviation, _)| *deviation > DEVIATION_LIMIT);
-            let apart = apart.map(|(deviation, pair)| {
+            let pairs = self.levels.windows(2).map(|pair| (deviation(&pair[0], &pair[1], k), pair));
+            let apart = pairs.filter(|(by, _)| *by > DEVIATION_LIMIT).map(|(by, pair)| {
                 let [below, level] = [pair[0].level, pair[1].level];
                 let text = format!(
-                    "the coarse mean of level {level} is {deviation:.1} standard errors from the \
-                     fine mean of level {below}"
+                    "the coarse mean of level {level} is {by:.1} standard errors from the fine mean \
+                     of level {below}"
                 );
                 (WarningKind::Telescope, Message::new(text))
             });

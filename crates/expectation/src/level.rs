@@ -26,15 +26,13 @@ impl Values {
     /// Adds φ at the final time on `paths` of a block, and φ on the coarse paths if there are some.
     fn add(&mut self, fine: &Row, coarse: Option<&Row>, paths: PathMask) {
         let of = |values: &Row| CentralMoments::of_block(values, paths);
-        let of_fine = of(fine);
-        self.fine.merge(&of_fine);
-        match coarse {
-            None => self.sample.merge(&of_fine),
-            Some(coarse) => {
-                self.coarse.merge(&of(coarse));
-                self.sample.merge(&of(&std::array::from_fn(|p| fine[p] - coarse[p])));
-            }
+        let mut sample = of(fine);
+        self.fine.merge(&sample);
+        if let Some(coarse) = coarse {
+            self.coarse.merge(&of(coarse));
+            sample = of(&std::array::from_fn(|p| fine[p] - coarse[p]));
         }
+        self.sample.merge(&sample);
     }
 
     pub fn merge(&mut self, later: &Self) {
@@ -46,7 +44,7 @@ impl Values {
 
     /// The least and the largest φ on fine and coarse paths.
     pub fn range(&self) -> Option<(f64, f64)> {
-        hull(self.fine.range(), self.coarse.range())
+        hull([&self.fine, &self.coarse].into_iter().filter_map(CentralMoments::range))
     }
 
     /// Distance from the least to the largest φ: zero if φ is the same to the bit on every path.
@@ -72,12 +70,9 @@ impl Values {
     }
 }
 
-/// The smallest interval that contains both.
-pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
-        (one, other) => one.or(other),
-    }
+/// The smallest interval that contains all.
+pub fn hull(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// The tail of test function number k on the last of these levels, which is nearest to the
@@ -151,10 +146,15 @@ impl Samples {
     /// Takes all samples of every replicate, each with `points` points.
     pub fn take(&mut self, replicates: Vec<Measured<PathValues<'_>>>, points: u64) {
         let functions = replicates.first().map_or(0, |one| one.statistic.values.len());
-        (self.points, self.paths, self.failed) = (points, points * replicates.len() as u64, 0);
-        self.values = vec![Values::default(); functions];
-        (self.motion, self.functions) = Default::default();
-        self.means = vec![Default::default(); functions];
+        *self = Self {
+            level: self.level,
+            cost_per_path: self.cost_per_path,
+            points,
+            paths: points * replicates.len() as u64,
+            values: vec![Values::default(); functions],
+            means: vec![Default::default(); functions],
+            ..Self::default()
+        };
         for Measured { statistic: own, failed, .. } in replicates {
             for ((all, means), own) in self.values.iter_mut().zip(&mut self.means).zip(&own.values)
             {

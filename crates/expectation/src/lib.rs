@@ -100,7 +100,7 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use estimator::{Estimator, Kept, Request};
+use estimator::{Estimator, Kept};
 use mc::{
     Checkpoint, Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop,
 };
@@ -125,7 +125,10 @@ pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
     /// The parameters of derivatives.
-    parameters: Vec<gradient::Parameter<'a>>,
+    parameters: Vec<Nearby<'a>>,
+    /// Where derivatives are by likelihood ratios, the row of the first score, and the number from
+    /// which each φ is counted.
+    scores: Option<(usize, Vec<f64>)>,
     /// Callback after each round with the progress.
     pub told: Box<Told<'a>>,
     /// Callback, from any thread, with the number of path-steps done since its last call.
@@ -199,6 +202,8 @@ struct Orders {
     next: f64,
 }
 
+/// Those of a mean over both orders of the noises.
+const BOTH_ORDERS: Orders = Orders { weak: 2.0, next: 4.0 };
 /// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
@@ -248,11 +253,11 @@ impl<'a> Expect<'a> {
             Some([forward, backward]) => Candidate {
                 setup: setup(forward),
                 mirror: (M > 1).then(|| bind(backward)),
-                orders: Orders { weak: 2.0, next: 4.0 },
+                orders: BOTH_ORDERS,
             },
             None => setup(scheme).into(),
         };
-        Self::among(first.into_iter().chain([sexp]).map(candidate).collect())
+        Self::among(first.into_iter().chain([sexp]).map(candidate))
     }
 
     /// Expectations of a problem known at run time.
@@ -261,27 +266,24 @@ impl<'a> Expect<'a> {
     /// [`SchemeError`] if no scheme is for the system.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
+        let description = system.description();
         let own = |scheme: Box<dyn AtRunTime>| Setup::at_run_time(problem, scheme);
-        let nv = |sweep| own(Box::new(Nv { sweep })).ok().filter(|_| system.rest().is_none());
-        if system.description().plain {
-            let all = [own(Box::new(Heun))?.into(), own(Box::new(Midpoint))?.into()];
-            return Ok(Self::among(all.into()));
+        if description.plain {
+            return Ok(Self::among(vec![own(Box::new(Heun))?, own(Box::new(Midpoint))?]));
         }
-        let constant = system.description().linearity == Linearity::Constant;
+        let nv = |sweep| own(Box::new(Nv { sweep })).ok().filter(|_| system.rest().is_none());
         let first = match (nv(Sweep::Forward), nv(Sweep::Backward)) {
             (Some(setup), Some(backward)) => {
-                let several = system.description().noises > 1;
-                let mirror = several.then_some(backward.scheme);
-                Some(Candidate { setup, mirror, orders: Orders { weak: 2.0, next: 4.0 } })
+                let mirror = (description.noises > 1).then_some(backward.scheme);
+                Some(Candidate { setup, mirror, orders: BOTH_ORDERS })
             }
-            _ if constant => None,
-            _ => SexpLi::at_run_time(system)
-                .ok()
-                .map(|li| own(Box::new(li)))
-                .transpose()?
-                .map(Into::into),
+            _ if description.linearity == Linearity::Constant => None,
+            _ => match SexpLi::at_run_time(system) {
+                Ok(scheme) => Some(own(Box::new(scheme))?.into()),
+                Err(_) => None,
+            },
         };
-        Ok(Self::among(first.into_iter().chain([own(Box::new(Sexp))?.into()]).collect()))
+        Ok(Self::among(first.into_iter().chain([own(Box::new(Sexp))?.into()])))
     }
 
     /// Expectations with one scheme, which is given with its problem and has weak order one unless
@@ -303,14 +305,15 @@ impl<'a> Expect<'a> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_scheme(setup: Setup<'a>) -> Self {
-        Self::among(vec![setup.into()])
+        Self::among([setup])
     }
 
-    fn among(candidates: Vec<Candidate<'a>>) -> Self {
+    fn among(candidates: impl IntoIterator<Item: Into<Candidate<'a>>>) -> Self {
         Self {
-            candidates,
+            candidates: candidates.into_iter().map(Into::into).collect(),
             settings: ExpectSettings::default(),
             parameters: Vec::new(),
+            scores: None,
             told: Box::new(|_, _| ()),
             counted: Box::new(|_| ()),
             checkpoint: None,
@@ -362,11 +365,9 @@ impl<'a> Expect<'a> {
         let on_rows: Vec<&dyn Observe> = on_rows.iter().map(|phi| phi as _).collect();
         let mut found = self.estimate(&on_rows, accuracy)?;
         let slopes = found.estimates.split_off(observables.len());
-        let mut slopes = slopes.into_iter();
-        let of = |parameter: &gradient::Parameter<'_>| {
-            (parameter.name.clone(), slopes.by_ref().take(observables.len()).collect())
-        };
-        found.gradient = self.parameters.iter().map(of).collect();
+        let names = self.parameters.iter().map(|one| one.parameter.clone());
+        let slopes = slopes.chunks(observables.len()).map(<[Estimate]>::to_vec);
+        found.gradient = names.zip(slopes).collect();
         self.bound(&mut found);
         Ok(found)
     }
@@ -383,7 +384,7 @@ impl<'a> Expect<'a> {
         }
         let Self { candidates, settings, checkpoint, .. } = self;
         let spent = Cell::new(0);
-        let request = Request { expect: self, observables, accuracy, spent: &spent };
+
         let mut kept = checkpoint.map_or(Ok(None), Checkpoint::read::<Kept<'_>>)?;
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
@@ -391,12 +392,19 @@ impl<'a> Expect<'a> {
         });
         let begun = kept.as_ref().map_or(0, |kept| kept.attempt);
         let mut attempts = attempts.enumerate().skip(begun).peekable();
-        let mut best = Err(RunError::Stopped);
+        let mut best = None;
         while let Some((attempt, (candidate, steps))) = attempts.next() {
-            let orders = settings.weak_order.map(|weak| Orders { weak, next: weak + 1.0 });
-            let orders = orders.unwrap_or(candidate.orders);
+            let orders = settings.weak_order.map_or(candidate.orders, Orders::of);
             settings.check(accuracy, orders.weak)?;
-            let estimator = Estimator::new(candidate, request, orders, (attempt, steps));
+            let estimator = Estimator::new(
+                candidate,
+                self,
+                observables,
+                accuracy,
+                &spent,
+                orders,
+                (attempt, steps),
+            );
             match estimator.expectation(kept.take()) {
                 Ok((found, helps)) => {
                     let same = |(_, (other, _)): &(_, (&Candidate<'_>, _))| {
@@ -409,19 +417,19 @@ impl<'a> Expect<'a> {
                         }
                         return Ok(found);
                     }
-                    best = Ok(found);
+                    best = Some(found);
                 }
                 Err(RunError::NoPaths { .. } | RunError::NotFinite { .. })
                     if attempts.peek().is_some() => {}
                 // The limit is for all attempts together.
                 Err(error @ (RunError::PilotCost { .. } | RunError::Stopped)) => {
                     let best = best.map(|best| Expectation { cost: spent.get(), ..best });
-                    return best.map_err(|_| error);
+                    return best.ok_or(error);
                 }
                 Err(error) => return Err(error),
             }
         }
-        best
+        best.ok_or(RunError::Stopped)
     }
 }
 
@@ -450,16 +458,22 @@ impl ExpectSettings {
 /// A scheme of weak order one.
 impl<'a> From<Setup<'a>> for Candidate<'a> {
     fn from(setup: Setup<'a>) -> Self {
-        Self { setup, mirror: None, orders: Orders { weak: 1.0, next: 2.0 } }
+        Self { setup, mirror: None, orders: Orders::of(1.0) }
+    }
+}
+
+impl Orders {
+    /// The order of a scheme, and the next one.
+    fn of(weak: f64) -> Self {
+        Self { weak, next: weak + 1.0 }
     }
 }
 
 impl Candidate<'_> {
     /// The least number of steps on the coarsest level: truncation is for steps below one.
     fn least_steps(&self) -> u64 {
-        match self.setup.scheme.about().clips_increments {
-            true => 2 * (self.setup.problem.t_end.ceil().min(LONGEST) as u64).next_power_of_two(),
-            false => 1,
-        }
+        let Setup { problem, scheme } = &self.setup;
+        let longest = problem.t_end.ceil().min(LONGEST) as u64;
+        if scheme.about().clips_increments { 2 * longest.next_power_of_two() } else { 1 }
     }
 }

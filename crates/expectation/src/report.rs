@@ -37,9 +37,7 @@ impl Expectation {
     /// Whether every half-width is at most the accuracy, and variance, bias and resolution are
     /// judged good for every φ. If not, the intervals may fail to cover, and the warnings say why.
     pub fn reached(&self) -> bool {
-        let reached =
-            |estimate: &Estimate| estimate.half_width() <= self.accuracy && estimate.judged.all();
-        self.all().all(reached)
+        self.all().all(|one| one.half_width() <= self.accuracy && one.judged.all())
     }
 
     /// All estimates, those of derivatives last.
@@ -233,9 +231,6 @@ impl Warning {
     pub(super) fn concerns(&self, observable: &String) -> bool {
         self.observables.is_empty() || self.observables.contains(observable)
     }
-}
-
-impl Warning {
     /// The message with the names of the φ that are concerned.
     pub fn told(&self) -> Message {
         match &self.observables[..] {
@@ -261,8 +256,7 @@ impl fmt::Display for Expectation {
             writeln!(f, "{name:width$} = {estimate}", width = longest + 3)?;
         }
         let finest = levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
-        let cost = *cost as f64;
-        writeln!(f, "{scheme} with steps down to {finest:.2e}, {cost:.2e} path-steps")?;
+        writeln!(f, "{scheme} with steps down to {finest:.2e}, {:.2e} path-steps", *cost as f64)?;
         if let Some(steps) = single_steps {
             writeln!(f, "levels do not help: single paths at {steps} steps")?;
         }
@@ -276,12 +270,16 @@ impl fmt::Display for Expectation {
 
 /// A number to two digits of its error, with a power of ten where both are small or it is large.
 pub fn written(x: f64, error: f64) -> String {
-    let order = |x: f64| log10(x.abs()).floor() as i32;
-    let place = |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { order(x) };
+    let place = |x: f64| match x {
+        0.0 => -9,
+        _ if x.is_finite() => log10(x.abs()).floor() as i32,
+        _ => -9,
+    };
     let digits = |n: i32| n.clamp(0, 16) as usize;
-    match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
-        true => format!("{x:.*}", digits(1 - place(error))),
-        false => format!("{x:.*e}", digits(1 + place(x) - place(error))),
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs().max(error.abs())) {
+        format!("{x:.*}", digits(1 - place(error)))
+    } else {
+        format!("{x:.*e}", digits(1 + place(x) - place(error)))
     }
 }
 
@@ -300,11 +298,12 @@ impl fmt::Display for Estimate {
         }
         let value = written(self.value, half_width);
         let sampling = hypot(self.quantile * self.standard_error, self.missed);
+        let believed = if self.judged.all() { "" } else { "; NOT to be believed" };
         write!(
             f,
-            "{value} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",
+            "{value} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most \
+             {:.1e}{believed}",
             self.bias_bound
-        )?;
-        if self.judged.all() { Ok(()) } else { write!(f, "; NOT to be believed") }
+        )
     }
 }

@@ -45,8 +45,7 @@ pub struct Motion {
 impl Motion {
     pub fn new(start: &[f64]) -> Self {
         let zero = vec![[0.0; WIDTH]; start.len()];
-        let start = start.to_vec();
-        Self { difference: zero.clone(), displacement: zero, start, points: 0.0 }
+        Self { difference: zero.clone(), displacement: zero, start: start.to_vec(), points: 0.0 }
     }
 
     /// Adds the states of fine and coarse paths, and of a second fine path and a second coarse one
@@ -65,8 +64,7 @@ impl Motion {
     pub fn add_rows<'r>(&mut self, live: PathMask, rows: impl Iterator<Item = [&'r Row; 4]>) {
         self.points += f64::from(live.len());
         for (i, (&start, rows)) in self.start.iter().zip(rows).enumerate() {
-            let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
-            add_motion(difference, displacement, start, rows, live);
+            add_motion(&mut self.difference[i], &mut self.displacement[i], start, rows, live);
         }
     }
 
@@ -204,17 +202,20 @@ pub fn unresolved(
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
     let components = (0..last.motion[0].start.len()).map(|i| (i + 1, quotients(levels, 0, i)));
     let parted = |i: usize, [a, _, c]: [f64; 3]| c > GAIN * a && begins_resolved(levels, i - 1);
-    let unresolved = components.filter(|&(i, of_all)| !resolved(of_all) && !parted(i, of_all));
-    let component = unresolved.max_by(|one, other| one.1[2].total_cmp(&other.1[2]));
+    let component = components
+        .filter(|&(i, of_all)| !resolved(of_all) && !parted(i, of_all))
+        .max_by(|one, other| one.1[2].total_cmp(&other.1[2]));
     let component = component
         .map(|(i, [.., by])| warning(WarningKind::Component(i), &format!("y{i}"), differ(by)));
     let exponent = damping.lasting_exponent(level);
-    let strong = (exponent > LARGEST_EXPONENT).then(|| {
-        let how = format!("it is e^-{exponent:.1} in one step");
-        warning(WarningKind::StrongDamping, "the damping", how)
-    });
-    let sizes = last.values.iter().map(|of| of.fine.mean().abs() + of.fine.variance().sqrt());
-    let largest = sizes.fold(0.0, f64::max);
+    let is_strong = exponent > LARGEST_EXPONENT;
+    let strong = format!("it is e^-{exponent:.1} in one step");
+    let strong = is_strong.then(|| warning(WarningKind::StrongDamping, "the damping", strong));
+    let largest = last
+        .values
+        .iter()
+        .map(|of| of.fine.mean().abs() + of.fine.variance().sqrt())
+        .fold(0.0, f64::max);
     let damping = || {
         let by = damping.unresolved(level).filter(|by| by * largest > DAMPED * accuracy)?;
         let how = format!("its sums over the steps differ from the integral by {by:.1e}");
@@ -224,8 +225,8 @@ pub fn unresolved(
         let how = format!("it changes within a step near t = {t:.4} more than from step to step");
         warning(WarningKind::Drive, "H(t)", how)
     });
-    let of_all = component.into_iter().chain(strong.or_else(damping)).chain(drive);
-    let mut warnings: Vec<_> = of_all.collect();
+    let mut warnings: Vec<_> =
+        component.into_iter().chain(strong.or_else(damping)).chain(drive).collect();
     // Of single paths only the means must agree: the bound on the bias is for them.
     let scattered = |k: usize| levels.iter().all(|samples| is_scattered(&samples.values[k]));
     for (k, name) in names.iter().enumerate() {

@@ -14,7 +14,7 @@ use systems::run_time::{Op, System, Weights};
 
 use super::{
     Expect,
-    gradient::{Nearby, Parameter, Slope, march},
+    gradient::{Nearby, march},
 };
 use mc::{Observe, Problem, RunError};
 
@@ -46,67 +46,60 @@ impl<'a> Expect<'a> {
         let refused = |name: &str, why: &str| {
             RunError::Setting(format!("no likelihood ratio for a derivative by {name}: {why}"))
         };
-        let mut laws = vec![Law { system: own, problem: problem.clone() }];
-        for (Nearby { parameter, change, offset, expect, .. }, system) in nearby {
-            let near = expect.candidates[0].setup.problem.clone();
+        let mut laws = vec![Law { system: own, problem: problem.clone(), change: 0.0 }];
+        for (one, system) in nearby {
+            let near = one.expect.candidates[0].setup.problem.clone();
             if near.y0 != problem.y0 {
-                return Err(refused(&parameter, "it changes the initial value"));
+                return Err(refused(&one.parameter, "it changes the initial value"));
             }
             if problem.noises > MAX_NOISES {
                 let why = format!("there are {} noises, at most {MAX_NOISES}", problem.noises);
-                return Err(refused(&parameter, &why));
+                return Err(refused(&one.parameter, &why));
             }
-            laws.push(Law { system, problem: near });
-            let slope = Slope::Score { row: 0, centres: vec![0.0; observables.len()] };
-            let (name, curvature) = (parameter, 0.0);
-            self.parameters.push(Parameter { name, change, offset, curvature, slope });
+            laws.push(Law { system, problem: near, change: one.change });
+            self.parameters.push(Nearby { curvature: 0.0, observables: Vec::new(), ..one });
         }
-        let changes: Arc<[f64]> = self.parameters.iter().map(|one| one.change).collect();
         let laws: Arc<[Law<'a>]> = laws.into();
         for candidate in &mut self.candidates {
             let scored = |method: &Arc<dyn Method + 'a>| -> Arc<dyn Method + 'a> {
-                let (laws, changes) = (Arc::clone(&laws), Arc::clone(&changes));
-                Arc::new(Scored { method: Arc::clone(method), laws, changes })
+                Arc::new(Scored { method: Arc::clone(method), laws: Arc::clone(&laws) })
             };
             candidate.mirror = candidate.mirror.as_ref().map(scored);
             candidate.setup.scheme = scored(&candidate.setup.scheme);
         }
-        let (rows, live) = self
-            .pilot(&laws, &changes)
-            .map_err(|(k, why)| refused(&self.parameters[k].name, why))?;
-        let first = rows.len() - changes.len();
+        let (rows, live) =
+            self.pilot(&laws).map_err(|(k, why)| refused(&self.parameters[k].parameter, why))?;
+        let first = rows.len() - self.parameters.len();
         let count = live.paths().count().max(1) as f64;
-        let means = observables.iter().map(|phi| {
-            let values = phi.values(&rows[..first], live);
-            live.paths().map(|p| values[p]).sum::<f64>() / count
-        });
-        let means: Vec<f64> = means.collect();
-        for (k, parameter) in self.parameters.iter_mut().enumerate() {
-            parameter.slope = Slope::Score { row: first + k, centres: means.clone() };
-        }
+        self.scores = Some((
+            first,
+            observables
+                .iter()
+                .map(|phi| {
+                    let values = phi.values(&rows[..first], live);
+                    live.paths().map(|p| values[p]).sum::<f64>() / count
+                })
+                .collect(),
+        ));
         Ok(self)
     }
 
     /// The last rows of 32 paths, and the paths that did not fail; or the number of a parameter
     /// that has no score, and the reason.
-    fn pilot(
-        &self,
-        laws: &[Law<'_>],
-        changes: &[f64],
-    ) -> Result<(Vec<Row>, PathMask), (usize, &'static str)> {
-        let mut scores = Scores::new(laws, changes);
+    fn pilot(&self, laws: &[Law<'_>]) -> Result<(Vec<Row>, PathMask), (usize, &'static str)> {
+        let mut scores = Scores::new(laws);
         // Squares of what each component has outside of the span, and of what it may have.
-        let mut squares = vec![Vec::new(); changes.len()];
-        let mut see = |step: &Step, y: &[Row], live: PathMask| {
-            scores.at(step.t, y);
-            for (k, squares) in squares.iter_mut().enumerate() {
-                scores.add_squares(k, live, squares);
-            }
-        };
-        let found = march(&self.candidates[0].setup, self.settings.key, PILOT, &mut see);
+        let mut squares = vec![vec![[0.0; 2]; scores.own.len()]; laws.len() - 1];
+        let found =
+            march(&self.candidates[0].setup, self.settings.key, PILOT, &mut |step, y, live| {
+                scores.at(step.t, y);
+                for (one, squares) in scores.parameters.iter().zip(&mut squares) {
+                    scores.add_squares(one, live, squares);
+                }
+            });
         let exceeds = |&[square, allowed]: &[f64; 2]| square > allowed || square.is_nan();
-        for (k, squares) in squares.into_iter().enumerate() {
-            let (drifts, noises) = squares.split_at(scores.dimension.min(squares.len()));
+        for (k, squares) in squares.iter().enumerate() {
+            let (drifts, noises) = squares.split_at(scores.dimension);
             if noises.iter().any(exceeds) {
                 return Err((k, "it changes a noise"));
             }
@@ -122,6 +115,8 @@ impl<'a> Expect<'a> {
 struct Law<'a> {
     system: &'a dyn System,
     problem: Problem<'a>,
+    /// The change of the parameter.
+    change: f64,
 }
 
 impl Law<'_> {
@@ -145,38 +140,40 @@ impl Law<'_> {
     }
 }
 
-/// Factors uₘ of the noises in the changes of the drift, at the states of 32 paths.
+/// Changes of the coefficients by a parameter, at the states of 32 paths.
+struct Changed<'a> {
+    law: &'a Law<'a>,
+    /// ∂b/∂θ, and the changes of the fields of noises.
+    coefficients: Vec<Row>,
+    /// The factors uₘ of the noises in ∂b/∂θ.
+    factors: Vec<Row>,
+}
+
+/// The coefficients at the states of 32 paths, with what parameters change.
 struct Scores<'a> {
-    laws: &'a [Law<'a>],
-    changes: &'a [f64],
+    law: &'a Law<'a>,
     dimension: usize,
     noises: usize,
-    /// The drift and the fields of noises; and those of the nearby problem.
+    /// The drift and the fields of noises.
     own: Vec<Row>,
-    near: Vec<Row>,
-    /// ∂b/∂θ and u of each parameter.
-    drifts: Vec<Row>,
-    factors: Vec<Row>,
-    /// Changes of the fields of noises.
-    changed: Vec<Row>,
+    parameters: Vec<Changed<'a>>,
     scratch: Rows,
 }
 
 impl<'a> Scores<'a> {
-    fn new(laws: &'a [Law<'a>], changes: &'a [f64]) -> Self {
-        let (d, noises) = (laws[0].problem.y0.len(), laws[0].problem.noises);
+    fn new(laws: &'a [Law<'a>]) -> Self {
+        let Problem { y0, noises, .. } = &laws[0].problem;
+        let (d, noises) = (y0.len(), *noises);
         let scratch = laws.iter().map(|law| law.system.description().scratch_rows()).max();
         let rows = |count: usize| vec![[0.0; WIDTH]; count];
+        let own = rows(d * (noises + 1));
+        let changed = |law| Changed { law, coefficients: own.clone(), factors: rows(noises) };
         Self {
-            laws,
-            changes,
+            law: &laws[0],
             dimension: d,
             noises,
-            own: rows(d * (noises + 1)),
-            near: rows(d),
-            drifts: rows(d * changes.len()),
-            factors: rows(noises * changes.len()),
-            changed: rows(d * noises * changes.len()),
+            parameters: laws[1..].iter().map(changed).collect(),
+            own,
             scratch: Rows::zero(d + noises + scratch.unwrap_or(0)),
         }
     }
@@ -185,25 +182,22 @@ impl<'a> Scores<'a> {
     fn at(&mut self, t: f64, y: &[Row]) {
         let (d, noises) = (self.dimension, self.noises);
         let y = &y[..d];
-        for k in 0..=noises {
-            self.laws[0].field(k, t, y, &mut self.own[k * d..(k + 1) * d], &mut self.scratch);
+        for (k, own) in self.own.chunks_mut(d).enumerate() {
+            self.law.field(k, t, y, own, &mut self.scratch);
         }
-        for (k, (law, change)) in self.laws[1..].iter().zip(self.changes).enumerate() {
-            for m in (0..=noises).rev() {
-                law.field(m, t, y, &mut self.near, &mut self.scratch);
-                let pairs = self.near.iter().zip(&self.own[m * d..(m + 1) * d]);
-                for (i, (near, own)) in pairs.enumerate() {
-                    for p in 0..WIDTH {
-                        let difference = near[p] - own[p];
-                        match m {
-                            0 => self.drifts[k * d + i][p] = difference / change,
-                            _ => self.changed[(k * noises + m - 1) * d + i][p] = difference,
-                        }
-                    }
-                }
+        for Changed { law, coefficients, .. } in &mut self.parameters {
+            for (k, (change, own)) in coefficients.chunks_mut(d).zip(self.own.chunks(d)).enumerate()
+            {
+                law.field(k, t, y, change, &mut self.scratch);
+                let over = if k == 0 { law.change } else { 1.0 };
+                change
+                    .as_flattened_mut()
+                    .iter_mut()
+                    .zip(own.as_flattened())
+                    .for_each(|(x, own)| *x = (*x - own) / over);
             }
         }
-        let (fields, count) = (&self.own[d..], self.changes.len());
+        let fields = &self.own[d..];
         for p in 0..WIDTH {
             let mut gram = [[0.0; MAX_NOISES]; MAX_NOISES];
             // Fields of length one, since noises have units of their own.
@@ -217,49 +211,46 @@ impl<'a> Scores<'a> {
                 gram[m][l] = (0..d).map(|i| field(m, i) * field(l, i)).sum();
             }
             cholesky(&mut gram, noises);
-            for k in 0..count {
+            for Changed { coefficients: drift, factors, .. } in &mut self.parameters {
                 let mut u = [0.0; MAX_NOISES];
                 for (m, u) in u[..noises].iter_mut().enumerate() {
-                    let product =
-                        |i: usize| units[m] * fields[m * d + i][p] * self.drifts[k * d + i][p];
-                    *u = (0..d).map(product).sum();
+                    *u = (0..d).map(|i| units[m] * fields[m * d + i][p] * drift[i][p]).sum();
                 }
                 solve(&gram, &mut u[..noises]);
-                (0..noises).for_each(|m| self.factors[k * noises + m][p] = units[m] * u[m]);
+                (0..noises).for_each(|m| factors[m][p] = units[m] * u[m]);
             }
         }
     }
 
     /// Adds Σ uₘΔWₘ to the score of each parameter.
     fn add(&self, noise: &StepNoise, scores: &mut [Row]) {
-        for (factors, score) in self.factors.chunks(self.noises.max(1)).zip(scores) {
-            for (u, dw) in factors.iter().zip(&*noise.increments) {
+        for (one, score) in self.parameters.iter().zip(scores) {
+            for (u, dw) in one.factors.iter().zip(&*noise.increments) {
                 (0..WIDTH).for_each(|p| score[p] += u[p] * dw[p]);
             }
         }
     }
 
-    /// Adds squares over paths for parameter k with those that are allowed: of each component of
+    /// Adds squares over paths for a parameter with those that are allowed: of each component of
     /// ∂b/∂θ − Σ uₘfₘ a part of ∂b/∂θ and rounding errors; then of the changes of the components of
     /// the fields of noises, rounding errors.
-    fn add_squares(&self, k: usize, live: PathMask, sums: &mut Vec<[f64; 2]>) {
+    fn add_squares(&self, one: &Changed<'_>, live: PathMask, sums: &mut [[f64; 2]]) {
         let (d, noises) = (self.dimension, self.noises);
-        sums.resize(d * (noises + 1), [0.0; 2]);
         for p in live.paths() {
-            for i in 0..d {
-                let drift = self.drifts[k * d + i][p];
-                let term =
-                    |m: usize| self.factors[k * noises + m][p] * self.own[(m + 1) * d + i][p];
+            for (n, [square, allowed]) in sums.iter_mut().enumerate() {
+                let (change, own) = (one.coefficients[n][p], self.own[n][p]);
+                if n >= d {
+                    *square += change.powi(2);
+                    *allowed += (ROUNDING * own).powi(2);
+                    continue;
+                }
+                let term = |m: usize| one.factors[m][p] * self.own[(m + 1) * d + n][p];
                 let inside: f64 = (0..noises).map(term).sum();
                 let terms: f64 = (0..noises).map(|m| term(m).powi(2)).sum();
-                let own = self.own[i][p] / self.changes[k];
+                let own = own / one.law.change;
                 let rounding = ROUNDING * ROUNDING * (terms + own * own);
-                sums[i][0] += (drift - inside).powi(2);
-                sums[i][1] += OUTSIDE * OUTSIDE * drift * drift + rounding;
-            }
-            for (n, [square, allowed]) in sums[d..].iter_mut().enumerate() {
-                *square += self.changed[k * noises * d + n][p].powi(2);
-                *allowed += (ROUNDING * self.own[d + n][p]).powi(2);
+                *square += (change - inside).powi(2);
+                *allowed += OUTSIDE * OUTSIDE * change * change + rounding;
             }
         }
     }
@@ -275,17 +266,21 @@ fn cholesky(a: &mut [[f64; MAX_NOISES]; MAX_NOISES], n: usize) {
             a[m][l] = match l == m {
                 true if sum <= SINGULAR * largest => 0.0,
                 true => sum.sqrt(),
-                false if a[l][l] == 0.0 => 0.0,
-                false => sum / a[l][l],
+                false => over(sum, a[l][l]),
             };
         }
     }
 }
 
+/// A quotient; zero of a direction that is zero.
+fn over(x: f64, pivot: f64) -> f64 {
+    if pivot == 0.0 { 0.0 } else { x / pivot }
+}
+
 /// Solves LLᵀu = b in place; components of directions that are zero in L are zero.
 fn solve(l: &[[f64; MAX_NOISES]; MAX_NOISES], u: &mut [f64]) {
     let n = u.len();
-    let over = |x: f64, pivot: f64| if pivot == 0.0 { 0.0 } else { x / pivot };
+
     for m in 0..n {
         u[m] = over(u[m] - (0..m).map(|k| l[m][k] * u[k]).sum::<f64>(), l[m][m]);
     }
@@ -299,7 +294,6 @@ struct Scored<'a> {
     method: Arc<dyn Method + 'a>,
     /// The law of the paths, and those nearby.
     laws: Arc<[Law<'a>]>,
-    changes: Arc<[f64]>,
 }
 
 impl Method for Scored<'_> {
@@ -309,14 +303,14 @@ impl Method for Scored<'_> {
 
     /// Starts from rows with scores, or else with zero scores.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        let count = self.changes.len();
+        let count = self.laws.len() - 1;
         let length = self.method.start(&y[..self.laws[0].problem.y0.len()]).state().len() + count;
         let (state, known) = y.split_at(if y.len() == length { length - count } else { y.len() });
         let inner = self.method.start(state);
         let mut rows = inner.state().to_vec();
         rows.extend_from_slice(known);
         rows.resize(length, [0.0; WIDTH]);
-        Box::new(Scoring { inner, scores: Scores::new(&self.laws, &self.changes), rows })
+        Box::new(Scoring { inner, scores: Scores::new(&self.laws), rows })
     }
 }
 
@@ -336,7 +330,7 @@ impl Stepper for Scoring<'_> {
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let first = self.rows.len() - self.scores.changes.len();
+        let first = self.rows.len() - self.scores.parameters.len();
         let (state, scores) = self.rows.split_at_mut(first);
         self.scores.at(step.t, state);
         self.scores.add(noise, scores);

@@ -39,10 +39,8 @@ impl Term {
     fn new(samples: &Samples, k: usize, fine: bool, missed: f64) -> Self {
         let means = &samples.means[k][usize::from(fine)];
         // One path without noise has no error of sampling.
-        let variance = match means.mean.count() {
-            1 => 0.0,
-            _ => means.mean.variance_of_mean(),
-        };
+        let is_one = means.mean.count() == 1;
+        let variance = if is_one { 0.0 } else { means.mean.variance_of_mean() };
         let (cost, mean) = ((samples.count() * samples.cost_per_path) as f64, means.mean.mean());
         let (third, ends) = (means.mean.third_moment(), means.variance_of_ends(samples.points));
         Self { cost, mean, variance, missed, third, ends }
@@ -123,10 +121,10 @@ impl Sum {
     /// g is not seen well either: then x is the quantile of 99 %.
     pub fn quantile(&self) -> f64 {
         let variance = self.replicates * self.standard_error().powi(2);
-        let student = |confidence| two_sided(confidence, Some(self.replicates - 1.0));
         let third = self.over(|weight, term| weight * weight * weight * term.third);
         let few = self.over(|weight, term| weight * weight * term.ends) > FEW_DECIDE * variance;
-        let x = student(if few { HIGH_CONFIDENCE } else { self.confidence });
+        let confidence = if few { HIGH_CONFIDENCE } else { self.confidence };
+        let x = two_sided(confidence, Some(self.replicates - 1.0));
         let skewness = third * third / powi(variance, 3).max(f64::MIN_POSITIVE);
         x + x * (powi(x, 4) + 2.0 * x * x - 3.0) * skewness / (18.0 * self.replicates)
     }
@@ -184,8 +182,7 @@ impl Sum {
     pub fn cost(&self, wanted: f64, growth: f64) -> f64 {
         self.over(|weight, term| {
             let error = weight * hypot(self.quantile() * term.variance.sqrt(), term.missed);
-            let more = exp(growth * ln((error / wanted).max(1.0)));
-            term.cost * more
+            term.cost * exp(growth * ln((error / wanted).max(1.0)))
         })
     }
 }

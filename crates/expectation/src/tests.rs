@@ -64,6 +64,7 @@ fn values_know_their_range_and_what_never_differs() {
     let mut merged = pairs(&[1.0], &[0.5]);
     merged.merge(&pairs(&[3.0], &[1.0]));
     assert_eq!((merged.range(), merged.sample.mean()), (Some((0.5, 3.0)), 1.25));
+    let hull = |a: Option<(f64, f64)>, b| hull(a.into_iter().chain(b));
     assert_eq!(hull(None, Some((1.0, 2.0))), Some((1.0, 2.0)));
     assert_eq!(hull(Some((0.0, 1.0)), None), Some((0.0, 1.0)));
     assert_eq!(hull(None, None), None);

@@ -1,5 +1,7 @@
 //! Data: moments with the covariance of their errors.
 
+use stats::diagonal;
+
 use crate::linear::Whitening;
 
 /// A statistic of an observable at a time.
@@ -24,6 +26,12 @@ pub struct Moment {
     pub statistic: Statistic,
     /// The measured value.
     pub value: f64,
+}
+
+impl Moment {
+    pub(crate) fn is_quantile(&self) -> bool {
+        matches!(self.statistic, Statistic::Quantile(_))
+    }
 }
 
 /// Moments with the covariance of their errors.
@@ -92,7 +100,8 @@ impl Data {
         demand("the last time", "above 0", last, last > 0.0)?;
         let wrong = covariance.iter().flatten().find(|x| !x.is_finite());
         demand("a covariance", "finite", *wrong.unwrap_or(&0.0), wrong.is_none())?;
-        let whitening = Whitening::of(&covariance).ok_or(DataError::Constant)?;
+        let whitening = Whitening::of(covariance.len(), |i, j| covariance[i][j]);
+        let whitening = whitening.ok_or(DataError::Constant)?;
         Ok(Self { moments, covariance, observations: Vec::new(), whitening })
     }
 
@@ -104,9 +113,8 @@ impl Data {
         for &error in errors {
             demand("an error", "positive and finite", error, error > 0.0 && error.is_finite())?;
         }
-        let entry = |i: usize, j: usize| if i == j { errors[i] * errors[i] } else { 0.0 };
-        let row = |i| (0..errors.len()).map(|j| entry(i, j)).collect();
-        Self::new(moments, (0..errors.len()).map(row).collect())
+        let squares: Vec<f64> = errors.iter().map(|error| error * error).collect();
+        Self::new(moments, diagonal(&squares))
     }
 
     /// Means and variances of independent observations, each a time and a value for each
@@ -123,43 +131,37 @@ impl Data {
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
         let wrong = samples.iter().flat_map(|sample| &sample.1).find(|x| !x.is_finite());
         demand("an observation", "finite", *wrong.unwrap_or(&0.0), wrong.is_none())?;
-        let (mut moments, mut blocks, mut observations) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut moments, mut observations) = (Vec::new(), Vec::new());
+        let (mut influences, mut factors) = (Vec::new(), Vec::new());
         for at_time in samples.chunk_by(|a, b| a.0 == b.0) {
             let (time, n, width) = (at_time[0].0, at_time.len(), at_time[0].1.len());
             let (d, least) = (2 * width, FEW.max(2 * EACH * width));
             if n < least {
                 return Err(DataError::Few { time, got: n, least });
             }
-            observations.extend(vec![n; d]);
             let size = n as f64;
-            let mut influences = vec![Vec::with_capacity(n); d];
+            observations.extend(vec![n; d]);
+            factors.extend(vec![(size - 1.0) / (size - d as f64 - 2.0) / (size * size); d]);
             for of in 0..width {
                 let mean = at_time.iter().map(|(_, x)| x[of]).sum::<f64>() / size;
                 let apart = at_time.iter().map(|(_, x)| x[of] - mean);
                 let square = apart.clone().map(|x| x * x).sum::<f64>() / size;
-                influences[2 * of].extend(apart.clone());
-                influences[2 * of + 1].extend(apart.map(|x| x * x - square));
+                influences.push(apart.clone().collect::<Vec<_>>());
+                influences.push(apart.map(|x| x * x - square).collect());
                 let variance = square * size / (size - 1.0);
                 for (statistic, value) in [(Statistic::Mean, mean), (Statistic::Variance, variance)]
                 {
                     moments.push(Moment { time, of, statistic, value });
                 }
             }
-            let factor = (size - 1.0) / (size - d as f64 - 2.0) / (size * size);
-            let product =
-                |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * factor;
-            let row = |a: &Vec<f64>| influences.iter().map(|b| product(a, b)).collect();
-            blocks.push(influences.iter().map(row).collect::<Vec<Vec<f64>>>());
         }
-        let (mut covariance, mut first) = (Vec::new(), 0);
-        for block in blocks {
-            for row in &block {
-                let mut all = vec![0.0; moments.len()];
-                all[first..first + row.len()].copy_from_slice(row);
-                covariance.push(all);
-            }
-            first += block.len();
-        }
+        let entry = |i: usize, j: usize| {
+            let products = influences[i].iter().zip(&influences[j]).map(|(a, b)| a * b);
+            let is_same = moments[i].time == moments[j].time;
+            if is_same { products.sum::<f64>() * factors[i] } else { 0.0 }
+        };
+        let all = 0..moments.len();
+        let covariance = all.clone().map(|i| all.clone().map(|j| entry(i, j)).collect()).collect();
         Ok(Self { observations, ..Self::new(moments, covariance)? })
     }
 

@@ -16,16 +16,14 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// Whitening of a covariance Σ on the complement of its kernel; `None` without one.
-    pub fn of(covariance: &[Vec<f64>]) -> Option<Self> {
-        let n = covariance.len();
+    /// Whitening of an n × n covariance Σ on the complement of its kernel; `None` without one.
+    pub fn of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Option<Self> {
         if n == 0 {
             return None;
         }
-        let size = |i: usize| covariance[i][i].sqrt();
-        let scale: Vec<f64> =
-            (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 0.0 }).collect();
-        let correlation = Mat::from_fn(n, n, |i, j| scale[i] * covariance[i][j] * scale[j]);
+        let scale = |size: f64| if size > 0.0 { 1.0 / size } else { 0.0 };
+        let scale: Vec<f64> = (0..n).map(|i| scale(covariance(i, i).sqrt())).collect();
+        let correlation = Mat::from_fn(n, n, |i, j| scale[i] * covariance(i, j) * scale[j]);
         let found = correlation.self_adjoint_eigen(Side::Lower).ok()?;
         let values = found.S().column_vector();
         let kept: Vec<usize> = (0..n).filter(|&k| values[k] > SINGULAR).collect();
@@ -34,9 +32,9 @@ impl Whitening {
         (!kept.is_empty()).then(|| Self { map: Mat::from_fn(kept.len(), n, entry) })
     }
 
-    /// W applied to a vector.
-    pub fn vector(&self, x: &[f64]) -> Col<f64> {
-        &self.map * Col::from_fn(x.len(), |i| x[i])
+    /// W applied to the difference of two vectors.
+    pub fn difference(&self, a: &[f64], b: &[f64]) -> Col<f64> {
+        &self.map * Col::from_fn(a.len(), |i| a[i] - b[i])
     }
 
     /// W applied to columns.
@@ -62,16 +60,17 @@ impl Singular {
         let lengths: Vec<f64> = (0..matrix.ncols()).map(length).collect();
         let scaled = |i, k: usize| matrix[(i, k)] / if lengths[k] > 0.0 { lengths[k] } else { 1.0 };
         let svd = Mat::from_fn(matrix.nrows(), matrix.ncols(), scaled).thin_svd().ok()?;
-        let values = (0..matrix.ncols().min(matrix.nrows())).map(|k| svd.S().column_vector()[k]);
-        let values = values.map(|s| if s < ZERO { 0.0 } else { s }).collect();
+        let values = (0..matrix.ncols().min(matrix.nrows()))
+            .map(|k| svd.S().column_vector()[k])
+            .map(|s| if s < ZERO { 0.0 } else { s })
+            .collect();
         Some(Self { u: svd.U().to_owned(), values, v: svd.V().to_owned(), lengths })
     }
 
     /// The part Uᵀr of a vector in the image of J; zero along singular directions.
     pub fn along(&self, r: &Col<f64>) -> Vec<f64> {
         let along = self.u.transpose() * r;
-        let part = |(k, &s): (usize, &f64)| if s > 0.0 { along[k] } else { 0.0 };
-        self.values.iter().enumerate().map(part).collect()
+        self.values.iter().enumerate().map(|(k, &s)| if s > 0.0 { along[k] } else { 0.0 }).collect()
     }
 
     /// The x that minimises |Jx − r|² + damping |Dx|².
@@ -85,11 +84,14 @@ impl Singular {
 
     /// Parameters of coefficients on the singular directions.
     fn combine(&self, parts: &[f64]) -> Vec<f64> {
-        let one = |(j, length): (usize, &f64)| {
-            let sum: f64 = parts.iter().enumerate().map(|(k, x)| self.v[(j, k)] * x).sum();
-            if *length > 0.0 { sum / length } else { sum }
-        };
-        self.lengths.iter().enumerate().map(one).collect()
+        self.lengths
+            .iter()
+            .enumerate()
+            .map(|(j, length)| {
+                let sum: f64 = parts.iter().enumerate().map(|(k, x)| self.v[(j, k)] * x).sum();
+                if *length > 0.0 { sum / length } else { sum }
+            })
+            .collect()
     }
 
     /// Direction k in the parameters.
@@ -100,11 +102,10 @@ impl Singular {
 
     /// (JᵀJ)⁻¹x.
     pub fn inverse(&self, x: &[f64]) -> Vec<f64> {
-        let directions: Vec<Vec<f64>> = (0..self.values.len()).map(|k| self.direction(k)).collect();
-        let part = |(v, s): (&Vec<f64>, &f64)| {
-            let dot: f64 = v.iter().zip(x).map(|(v, x)| v * x).sum();
-            if *s > 0.0 { dot / (s * s) } else { 0.0 }
+        let part = |(k, &s): (usize, &f64)| {
+            let dot: f64 = self.direction(k).iter().zip(x).map(|(v, x)| v * x).sum();
+            if s > 0.0 { dot / (s * s) } else { 0.0 }
         };
-        self.combine(&directions.iter().zip(&self.values).map(part).collect::<Vec<_>>())
+        self.combine(&self.values.iter().enumerate().map(part).collect::<Vec<_>>())
     }
 }

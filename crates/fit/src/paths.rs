@@ -1,7 +1,5 @@
 //! Moments of paths and their derivatives: a problem and nearby ones on the same noise.
 
-use std::sync::Arc;
-
 use expectation::{Near, SideBySide};
 use mc::{Observe, RunError, Setup, View, parts::Stop};
 use noise::{Purpose, StreamKey, Truncation};
@@ -79,16 +77,12 @@ impl<'a> Paths<'a> {
     ) -> Self {
         let dimension = setup.problem.y0.len();
         let (mut all, mut near, mut changes) = (vec![observables], Vec::new(), Vec::new());
-        for one in nearby {
-            let pairs = setup.problem.y0.iter().zip(&one.setup.problem.y0);
-            let shift = pairs.map(|(y, near)| near - y).collect();
-            let damping = one.setup.problem.damping;
-            near.push(Near { method: one.setup.scheme, damping, shift });
-            all.push(one.observables);
-            changes.push(one.change);
+        for NearbySetup { setup: Setup { problem, scheme }, change, observables } in nearby {
+            near.push(Near::new(&setup.problem, &problem, &scheme));
+            all.push(observables);
+            changes.push(change);
         }
-        let method = Arc::clone(&setup.scheme);
-        setup.scheme = Arc::new(SideBySide { method, dimension, nearby: near });
+        setup.scheme = SideBySide::of(&setup.scheme, &setup.problem, near);
         setup.problem.t_end = until;
         Self { setup, dimension, observables: all, changes }
     }
@@ -98,19 +92,20 @@ impl<'a> Paths<'a> {
     /// # Errors
     /// [`RunError::Setting`] if there are more than 4096.
     pub fn intervals(data: &Data) -> Result<u64, RunError> {
-        let fits = |n: &u64| {
-            data.moments.iter().all(|moment| {
-                let place = moment.time / data.until() * *n as f64;
-                (place - place.round()).abs() < OFF
+        (1..=INTERVALS)
+            .find(|n| {
+                data.moments.iter().all(|moment| {
+                    let place = moment.time / data.until() * *n as f64;
+                    (place - place.round()).abs() < OFF
+                })
             })
-        };
-        (1..=INTERVALS).find(fits).ok_or_else(|| {
-            RunError::Setting(format!(
-                "the times of the data are not multiples of t = {} over a number up to \
+            .ok_or_else(|| {
+                RunError::Setting(format!(
+                    "the times of the data are not multiples of t = {} over a number up to \
                  {INTERVALS}: round them",
-                data.until()
-            ))
-        })
+                    data.until()
+                ))
+            })
     }
 
     /// Moments with their derivatives, of 32 replicates; `steps` steps times that of the effort are
@@ -129,8 +124,11 @@ impl<'a> Paths<'a> {
         (stop, told): (&Stop, &(dyn Fn(u64) + Sync)),
     ) -> Result<Vec<Replicate>, RunError> {
         let (fine, family) = (steps * effort.steps, (key, Purpose::Pilot));
-        let ladder = self.setup.ladder(fine, 1, truncation, family, effort.all_paths())?;
-        let ladder = ladder.with_start().telling(told);
+        let ladder = self
+            .setup
+            .ladder(fine, 1, truncation, family, effort.all_paths())?
+            .with_start()
+            .telling(told);
         let step = |time: f64| (time / data.until() * ladder.coarse_steps() as f64).round() as u64;
         let length = 2 + self.changes.len();
         let mut cells: Vec<Cell<'_, 'a>> = Vec::new();
@@ -138,17 +136,18 @@ impl<'a> Paths<'a> {
         for moment in &data.moments {
             let (time, of) = (step(moment.time), moment.of);
             let known = cells.iter().position(|cell| (cell.time, cell.of) == (time, of));
-            places.push(known.unwrap_or(cells.len()));
-            if known.is_none() {
-                let (moments, rows) = (CrossMoments::new(length), None);
+            let place = known.unwrap_or_else(|| {
                 let first = cells.iter().all(|cell| cell.time != time);
                 let joint = CrossMoments::new(2 * self.observables[0].len());
                 let joint = Some(joint).filter(|_| first && !data.observations.is_empty());
-                cells.push(Cell { paths: self, time, of, moments, rows, joint });
-            }
-            if let (Statistic::Quantile(_), Some(&place)) = (moment.statistic, places.last()) {
+                let moments = CrossMoments::new(length);
+                cells.push(Cell { paths: self, time, of, moments, rows: None, joint });
+                cells.len() - 1
+            });
+            if moment.is_quantile() {
                 cells[place].rows = Some(Vec::new());
             }
+            places.push(place);
         }
         let replicate = |number: u64| {
             let first = number * effort.paths;
@@ -162,8 +161,11 @@ impl<'a> Paths<'a> {
             let coarse = rows.pop().unwrap_or_default();
             let values = rows.pop().unwrap_or_default();
             let (covariance, failed) = (Vec::new(), found.failed);
-            let joint = |cell: Cell<'_, '_>| Some((cell.time, cell.joint?));
-            let joints: Vec<_> = found.statistic.into_iter().filter_map(joint).collect();
+            let joints: Vec<_> = found
+                .statistic
+                .into_iter()
+                .filter_map(|cell| Some((cell.time, cell.joint?)))
+                .collect();
             (Replicate { values, coarse, slopes, covariance, failed }, joints)
         };
         let all: Vec<_> = (0..REPLICATES).into_par_iter().map(replicate).collect();
@@ -181,8 +183,7 @@ impl<'a> Paths<'a> {
             _ => 0.0,
         };
         let row = |a| data.moments.iter().map(|b| entry(a, b)).collect();
-        let moments = data.moments.iter().take(data.observations.len());
-        all[0].covariance = moments.map(row).collect();
+        all[0].covariance = data.moments.iter().take(data.observations.len()).map(row).collect();
         Ok(all)
     }
 }
@@ -213,8 +214,10 @@ impl mc::Statistic for Cell<'_, '_> {
             observables[k][self.of].values(rows, view.live)
         };
         if let Some(joint) = &mut self.joint {
-            let of = |phi: &&dyn Observe| phi.values(&fine[..*dimension], view.live);
-            let values: Vec<Row> = observables[0].iter().map(of).collect();
+            let values: Vec<Row> = observables[0]
+                .iter()
+                .map(|phi| phi.values(&fine[..*dimension], view.live))
+                .collect();
             let mut row = Vec::new();
             for p in view.live.paths() {
                 row.clear();
@@ -269,9 +272,12 @@ fn together(joint: &CrossMoments, a: &Moment, b: &Moment) -> f64 {
         }
         _ => vec![(2 * moment.of, 1.0)],
     };
-    let (first, second) = (parts(a), parts(b));
-    let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (x, y)));
-    let sum: f64 = pairs.map(|(x, y)| x.1 * y.1 * joint.covariance_of_means(x.0, y.0)).sum();
+    let mut sum = 0.0;
+    for (i, x) in parts(a) {
+        for (j, y) in parts(b) {
+            sum += x * y * joint.covariance_of_means(i, j);
+        }
+    }
     sum * joint.count() as f64
 }
 

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use expectation::short;
 use faer::{Col, Mat};
 use mc::parts::Stop;
-use stats::{CONFIDENCE, Warning, chi_square_p_value, two_sided};
+use stats::{CONFIDENCE, Warning, chi_square_p_value, diagonal, two_sided};
 
 use crate::{
-    Data, Effort, Replicate, Statistic,
+    Data, Effort, Moment, Replicate,
     linear::{Singular, Whitening},
 };
 
@@ -189,9 +189,7 @@ pub fn fit<E>(
     settings: &FitSettings,
     model: &mut Model<'_, E>,
 ) -> Result<Fit, FitError<E>> {
-    let is_quantile = |statistic| matches!(statistic, Statistic::Quantile(_));
-    let quantiles = data.moments.iter().any(|moment| is_quantile(moment.statistic));
-    let least = if quantiles { FOR_QUANTILES } else { 1 };
+    let least = if data.moments.iter().any(Moment::is_quantile) { FOR_QUANTILES } else { 1 };
     let mut effort = Effort { paths: settings.paths.max(least), steps: 1 };
     let (mut evaluations, mut spent) = (0, 0);
     let mut theta: Vec<f64> = start.iter().map(|(_, value)| *value).collect();
@@ -215,7 +213,9 @@ pub fn fit<E>(
         let mut fit = judged(&to, &names, &found, effort);
         fit.evaluations = evaluations;
         let unseen = unidentified(&to, &names, &found);
-        if unseen.is_none() && !fit.is_finite() {
+        let widths = (0..parameters).map(|k| fit.half_width(k));
+        if unseen.is_none() && !widths.chain([fit.chi_square]).all(f64::is_finite) {
+            // They overflow where the search is lost.
             return Err(not_finite(&names, &found.theta));
         }
         if settings.stop.is_asked() {
@@ -249,20 +249,22 @@ pub fn fit<E>(
         if let Some(error) = unseen {
             return Err(error);
         }
-        let warning = |holds: bool, what: &str, remedy: &str| {
-            holds.then(|| Warning::new(what).with_remedy(remedy))
-        };
         let wrong = fit.probability.filter(|p| *p < WRONG).map(|p| {
             let reason =
                 format!("χ² = {:.1} with {} degrees, p = {p:.1e}", fit.chi_square, fit.degrees);
             Warning::new("the model does not fit the data").with_reason(reason)
         });
-        let lost = fit.failed(&found);
-        fit.warnings.extend(wrong.into_iter().chain(lost));
-        let none = "the search did not settle";
-        fit.warnings.extend(warning(!settled, none, "start nearer to the parameters"));
+        let (failed, all) = (found.mean.failed, effort.all_paths());
+        let lost = format!("{failed} of {all} paths failed and are in no moment");
         let wide = "Monte Carlo errors or step errors widen the intervals by more than a tenth";
-        fit.warnings.extend(warning(next != effort, wide, "allow more path-steps"));
+        let others = [
+            (failed > 0, &*lost, "take more steps"),
+            (!settled, "the search did not settle", "start nearer to the parameters"),
+            (next != effort, wide, "allow more path-steps"),
+        ];
+        let others = others.into_iter().filter(|(holds, ..)| *holds);
+        let others = others.map(|(_, what, remedy)| Warning::new(what).with_remedy(remedy));
+        fit.warnings.extend(wrong.into_iter().chain(others));
         return Ok(fit);
     }
 }
@@ -278,23 +280,9 @@ fn stopped(mut fit: Fit) -> Fit {
 /// variance is, by chance, and would give the weights a bias (Altonji and Segal, *J. Bus. Econ.
 /// Stat.* 14, 1996).
 fn of_model(data: &Data, mean: &Replicate) -> Option<Whitening> {
-    let over = |(row, n): (&Vec<f64>, &usize)| row.iter().map(|x| x / *n as f64).collect();
-    let rows: Vec<Vec<f64>> = mean.covariance.iter().zip(&data.observations).map(over).collect();
-    Whitening::of(&rows)
-}
-
-impl Fit {
-    /// Whether χ² and all intervals are finite, which overflow where the search is lost.
-    fn is_finite(&self) -> bool {
-        let widths = (0..self.values.len()).map(|k| self.half_width(k));
-        widths.chain([self.chi_square]).all(f64::is_finite)
-    }
-
-    fn failed(&self, found: &Point) -> Option<Warning> {
-        let (failed, all) = (found.mean.failed, self.effort.all_paths());
-        let what = format!("{failed} of {all} paths failed and are in no moment");
-        (failed > 0).then(|| Warning::new(what).with_remedy("take more steps"))
-    }
+    let (all, observations) = (&mean.covariance, &data.observations);
+    let number = all.len().min(observations.len());
+    Whitening::of(number, |i, j| all[i][j] / observations[i] as f64)
 }
 
 fn not_finite<E>(names: &[String], theta: &[f64]) -> FitError<E> {
@@ -311,11 +299,11 @@ fn point<E>(
 ) -> Result<Point, FitError<E>> {
     let mean = mean(&replicates);
     let values: Vec<f64> = data.moments.iter().map(|moment| moment.value).collect();
-    let residual = to.vector(&minus(&values, &mean.values));
+    let residual = to.difference(&values, &mean.values);
     let slopes = to.columns(&mean.slopes);
     let finite = residual.is_all_finite() && slopes.is_all_finite();
-    let singular = Singular::of(&slopes).filter(|_| finite);
-    let singular = singular.ok_or_else(|| not_finite(names, theta))?;
+    let singular =
+        Singular::of(&slopes).filter(|_| finite).ok_or_else(|| not_finite(names, theta))?;
     Ok(Point { theta: theta.to_vec(), replicates, mean, residual, slopes, singular })
 }
 
@@ -354,31 +342,26 @@ fn judged(to: &Whitening, names: &[String], found: &Point, effort: Effort) -> Fi
     let (p, all) = (names.len(), replicates.len() as f64);
     // Errors of the mean over replicates; one replicate is exact.
     let factor = if all > 1.0 { 1.0 / (all * (all - 1.0)) } else { 0.0 };
-    let mut covariance: Vec<Vec<f64>> = (0..p)
-        .map(|k| singular.inverse(&(0..p).map(|j| f64::from(u8::from(j == k))).collect::<Vec<_>>()))
-        .collect();
-    let bias = to.vector(&minus(&mean.values, &mean.coarse));
+    let units = diagonal(&vec![1.0; p]);
+    let mut covariance: Vec<_> = units.iter().map(|unit| singular.inverse(unit)).collect();
+    let bias = to.difference(&mean.values, &mean.coarse);
     let mut errors = Mat::<f64>::identity(residual.nrows(), residual.nrows());
     errors += &bias * bias.transpose();
     let mut monte_carlo = vec![0.0; p];
     for one in replicates {
-        let apart = to.vector(&minus(&one.values, &mean.values));
-        let by: Vec<_> = one.slopes.iter().zip(&mean.slopes).map(|(a, b)| minus(a, b)).collect();
-        let by = to.columns(&by);
+        let apart = to.difference(&one.values, &mean.values);
+        let by = one.slopes.iter().zip(&mean.slopes).map(|(a, b)| minus(a, b)).collect::<Vec<_>>();
         // The gradient Jᵀr of this replicate beside that of the mean.
-        let gradient = by.transpose() * residual - slopes.transpose() * &apart;
-        let of = singular.inverse(&(0..p).map(|k| gradient[k]).collect::<Vec<_>>());
+        let gradient = to.columns(&by).transpose() * residual - slopes.transpose() * &apart;
+        let of = singular.inverse(&gradient.iter().copied().collect::<Vec<_>>());
         errors += faer::Scale(factor) * (&apart * apart.transpose());
         for k in 0..p {
             monte_carlo[k] += factor * of[k] * of[k];
             (0..p).for_each(|j| covariance[k][j] += factor * of[k] * of[j]);
         }
     }
-    let rows = |matrix: &Mat<f64>| -> Vec<Vec<f64>> {
-        (0..matrix.nrows()).map(|i| matrix.row(i).iter().copied().collect()).collect()
-    };
     // The least squares in the norm of all errors.
-    let whitened = Whitening::of(&rows(&errors)).and_then(|to| {
+    let whitened = Whitening::of(errors.nrows(), |i, j| errors[(i, j)]).and_then(|to| {
         let (r, slopes) = (&to.map * residual, &to.map * slopes);
         let along = Singular::of(&slopes)?.along(&r);
         Some(r.squared_norm_l2() - along.iter().map(|x| x * x).sum::<f64>())
@@ -417,17 +400,18 @@ fn unidentified<E>(to: &Whitening, names: &[String], found: &Point) -> Option<Fi
             (0..of.values.len()).map(sum).collect()
         };
         let whole = along(mean);
-        let apart = |one| to.vector(&minus(&along(one), &whole)).squared_norm_l2();
+        let apart = |one| to.difference(&along(one), &whole).squared_norm_l2();
         let error = replicates.iter().map(apart).sum::<f64>() / (all * (all - 1.0).max(1.0));
         s * s <= SEEN * SEEN * error
     };
     let k = (0..names.len()).rev().find(hidden)?;
     let direction = singular.direction(k);
-    let part = |j: &usize| {
-        let length = singular.lengths[*j];
-        direction[*j].abs() * if length > 0.0 { length } else { 1.0 } > LEAST
-    };
-    let involved: Vec<usize> = (0..names.len()).filter(part).collect();
+    let involved: Vec<usize> = (0..names.len())
+        .filter(|j| {
+            let length = singular.lengths[*j];
+            direction[*j].abs() * if length > 0.0 { length } else { 1.0 } > LEAST
+        })
+        .collect();
     let mut words = String::from("the data do not tell the parameters apart: ");
     _ = match involved[..] {
         [j] => write!(words, "they do not depend on `{}`; fix it", names[j]),
@@ -439,8 +423,11 @@ fn unidentified<E>(to: &Whitening, names: &[String], found: &Point) -> Option<Fi
             write!(words, "they change with {x} {sign} {ratio} {y} alone; fix one of both")
         }
         _ => {
-            let all = involved.iter().map(|&j| format!("{} by {}", names[j], short(direction[j])));
-            let all = all.collect::<Vec<_>>().join(", ");
+            let all = involved
+                .iter()
+                .map(|&j| format!("{} by {}", names[j], short(direction[j])))
+                .collect::<Vec<_>>()
+                .join(", ");
             write!(words, "they do not change with {all} together; fix one of them")
         }
     };

@@ -127,12 +127,10 @@ impl Chains {
         (levels, paired): (usize, usize),
         t_end: f64,
     ) -> Self {
-        let batches = BATCHES as u64;
-        let coarse = settings.steps.div_ceil(1 << (levels - 1));
+        let (batches, spread) = (BATCHES as u64, SPREADING);
         // An even number in each batch, for schemes that alternate.
-        let steps = coarse.next_multiple_of(2 * batches);
+        let steps = settings.steps.div_ceil(1 << (levels - 1)).next_multiple_of(2 * batches);
         let (batch_steps, averages, tau) = (steps / batches, of.count(), t_end / steps as f64);
-        let spread = SPREADING;
         let weights = of.slopes().len() + usize::from(levels == 1);
         Self { tau, batch_steps, averages, weights, levels, paired, spread, ..Self::default() }
     }
@@ -171,9 +169,10 @@ impl Chains {
         if self.number == self.spread {
             self.spent_before = self.spent;
         }
-        let steps = match self.number <= self.spread {
-            true => self.batch_steps,
-            false => (self.spent - self.spent_before) / chains,
+        let steps = if self.number <= self.spread {
+            self.batch_steps
+        } else {
+            (self.spent - self.spent_before) / chains
         };
         let all = (steps * moving.max(1)) as f64;
         self.accepted = sums.map(|sum| sum / all);
@@ -230,8 +229,9 @@ impl Chains {
 
     /// The numbers of the chains that have not failed.
     fn live(&self) -> impl Iterator<Item = usize> {
-        let blocks = self.blocks.iter();
-        blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
+        self.blocks
+            .iter()
+            .flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
     }
 
     /// Number of chains that have failed.
@@ -241,8 +241,9 @@ impl Chains {
 
     /// Whether states are beyond 1e50.
     pub fn are_large(&self) -> bool {
-        let states = self.blocks.iter().flat_map(|block| block.states.iter().flatten().flatten());
-        states.into_iter().any(|y| y.abs() > 1e50)
+        let mut states =
+            self.blocks.iter().flat_map(|block| block.states.iter().flatten().flatten());
+        states.any(|y| y.abs() > 1e50)
     }
 
     /// Takes the sums of a batch. Chains that failed go on from `start`, and count for nothing
@@ -263,8 +264,10 @@ impl Chains {
         let mut values: Batch = (0..self.rows()).map(|_| exactly()).collect();
         let scale = 1.0 / self.batch_steps as f64;
         for sums in &batch {
-            let rows = values.iter_mut().zip(&sums.sums);
-            rows.for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
+            values
+                .iter_mut()
+                .zip(&sums.sums)
+                .for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
             for (found, counts) in self.histograms.iter_mut().zip(&sums.counts) {
                 found.add(counts);
             }
@@ -279,10 +282,10 @@ impl Chains {
         for (block, before) in self.blocks.iter_mut().zip(before) {
             block.live &= before.live;
         }
-        let words = |PathFailure { scheme, tau, cause, .. }: &PathFailure| {
+        self.failure = self.failure.take().or(failures.first().map(|first| {
+            let PathFailure { scheme, tau, cause, .. } = first;
             format!("{scheme} with steps {tau:.2e}: {cause}")
-        };
-        self.failure = self.failure.take().or(failures.first().map(words));
+        }));
         let first = values.len();
         for block in &self.blocks {
             let seen = watched.values(&block.states[0]);
@@ -295,16 +298,16 @@ impl Chains {
     /// Joins the batches in pairs, so that the next batches, up to the full number, double the
     /// time.
     pub fn double(&mut self, of: Averaged<'_>) {
-        let mean = |pair: &[Batch]| -> Batch {
-            let rows = pair[0].iter().zip(&pair[1]);
-            let mean = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-                a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
-            };
-            rows.map(mean).collect()
-        };
         if let Averaged::Of(..) = of {
             self.histograms = (0..self.averages).map(|k| self.histogram(k)).collect();
         }
+        let mean = |pair: &[Batch]| -> Batch {
+            pair[0]
+                .iter()
+                .zip(&pair[1])
+                .map(|(a, b)| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect())
+                .collect()
+        };
         self.batches = self.batches.chunks(2).map(mean).collect();
         self.batch_steps *= 2;
         self.doubled = true;
@@ -344,8 +347,7 @@ impl Chains {
     fn clear(&mut self) {
         self.spent_before = self.spent;
         self.batches.clear();
-        let grids = self.histograms.drain(..).map(|found| Histogram::empty(found.grid));
-        self.histograms = grids.collect();
+        self.histograms.iter_mut().for_each(|found| *found = Histogram::empty(found.grid));
     }
 
     /// Begins anew with this number of chains that have all step sizes, where the chains are.
@@ -361,10 +363,11 @@ impl Chains {
 
     /// An empty histogram about the mean of an average in the second half of the time.
     fn histogram(&self, k: usize) -> Histogram {
-        let late = &self.batches[BATCHES / 2..];
         let of = |row: usize| {
-            let values = late.iter().flat_map(|batch| self.live().map(move |n| batch[row][n]));
-            let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
+            let (sum, count) = self.batches[BATCHES / 2..]
+                .iter()
+                .flat_map(|batch| self.live().map(move |n| batch[row][n]))
+                .fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
             sum / f64::from(count.max(1))
         };
         let mean = of(k);
@@ -455,13 +458,18 @@ impl Statistic for Gather<'_> {
                             continue;
                         }
                         add_product(&mut sums[squares * count + k], &values, &values);
-                        let known = chains.histograms.get(k).zip(chains.block(first));
-                        let known = known.filter(|_| view.time.is_multiple_of(SELDOM));
+                        let known = chains
+                            .histograms
+                            .get(k)
+                            .zip(chains.block(first))
+                            .filter(|_| view.time.is_multiple_of(SELDOM));
                         if let Some((Histogram { grid, .. }, before)) = known {
                             let mut places = [0; WIDTH];
                             grid.place(&values, &mut places);
-                            let live = view.live.and(PathMask(before.live));
-                            live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
+                            view.live
+                                .and(PathMask(before.live))
+                                .paths()
+                                .for_each(|p| counts[k][places[p] as usize] += 1);
                         }
                     }
                 }

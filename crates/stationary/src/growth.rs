@@ -35,8 +35,7 @@ impl Fit {
     fn new(living: &Living<'_>, row: usize, first: usize) -> Self {
         let late = &living.batches[first..];
         let count = late.len() as f64;
-        let of_time = |b: usize| ln(1.0 + 1.0 / b as f64);
-        let z: Vec<f64> = (first..living.batches.len()).map(of_time).collect();
+        let z: Vec<f64> = (first..living.batches.len()).map(|b| ln(1.0 + 1.0 / b as f64)).collect();
         let logarithm = z.iter().sum::<f64>() / count;
         let square: f64 = z.iter().map(|z| (z - logarithm) * (z - logarithm)).sum();
         let of = |weight: &dyn Fn(f64) -> f64| {

@@ -114,8 +114,7 @@ impl<'a> Averaged<'a> {
             // Of one, the sum of all is itself.
             Self::Growth(1) => vec!["λ1".into()],
             Self::Growth(count) => {
-                let exponents = (1..count).map(|n| format!("λ{n}"));
-                exponents.chain(["their sum".into()]).collect()
+                (1..count).map(|n| format!("λ{n}")).chain(["their sum".into()]).collect()
             }
         }
     }
@@ -264,11 +263,11 @@ impl<'a> Equilibrium<'a> {
         let names = if self.components.len() == dimension { &self.components } else { &own };
         let watched = Watched { functions, names, dimension, chains: number };
         self.demand(of, watched)?;
-        let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
-        let mut chains = kept.unwrap_or_else(|| self.begin(of));
+        let mut chains =
+            checkpoint.map_or(Ok(None), Checkpoint::read)?.unwrap_or_else(|| self.begin(of));
         let averages = |chains: &Chains| {
-            let of_chains = (of, setup.scheme.about().id, self.beta);
-            Averages::new(chains, settings, of_chains, accuracy, watched)
+            let scheme = setup.scheme.about().id;
+            Averages::new(chains, settings, (of, scheme, self.beta), accuracy, watched)
         };
         let mut found = chains.has_averages().then(|| averages(&chains));
         let mut reached = false;
@@ -285,8 +284,7 @@ impl<'a> Equilibrium<'a> {
                 let hopeful = half_width.is_finite() && (!fails || helps) || fails && few_revivals;
                 let since = chains.spent - chains.spent_before;
                 let limited = now.is_out_of_reach(since, settings.max_cost);
-                let is_reached = now.reached();
-                let wanted = now.wanted;
+                let (is_reached, wanted) = (now.reached(), now.wanted);
                 let paired = wanted.clamp(1.0, number as f64) as usize;
                 let paired = paired.next_multiple_of(WIDTH).min(number);
                 found = Some(now);
@@ -327,19 +325,15 @@ impl<'a> Equilibrium<'a> {
         found.ok_or(RunError::Stopped)
     }
 
-    /// Number of step sizes of a chain.
-    fn levels(&self) -> usize {
-        if self.beta.is_some() { 1 } else { LEVELS }
-    }
-
     /// Chains that have not begun.
     fn begin(&self, of: Averaged<'_>) -> Chains {
         let all = self.settings.blocks_of_chains() as usize;
-        let paired = match of {
-            Averaged::Of(..) if self.beta.is_none() => (all / 4).next_multiple_of(WIDTH),
-            _ => all,
+        let sizes = match of {
+            _ if self.beta.is_some() => (1, all),
+            Averaged::Of(..) => (LEVELS, (all / 4).next_multiple_of(WIDTH)),
+            Averaged::Growth(_) => (LEVELS, all),
         };
-        Chains::new(&self.settings, of, (self.levels(), paired), self.setup.problem.t_end)
+        Chains::new(&self.settings, of, sizes, self.setup.problem.t_end)
     }
 
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
@@ -368,19 +362,18 @@ impl<'a> Equilibrium<'a> {
     /// Refuses chains whose first averages, which need twice the time, take more path-steps than
     /// allowed, or that take more memory than there is.
     fn demand(&self, of: Averaged<'_>, watched: Watched<'_>) -> Result<(), RunError> {
-        let max_cost = self.settings.max_cost;
-        let pilot_cost = self.cost(&self.begin(of), SPREADING as usize + 2 * BATCHES);
+        let (max_cost, begun) = (self.settings.max_cost, self.begin(of));
+        let pilot_cost = self.cost(&begun, SPREADING as usize + 2 * BATCHES);
         if pilot_cost > max_cost {
             return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
         let Watched { chains, dimension, .. } = watched;
         let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
-        let levels = self.levels();
-        let rows = self.begin(of).rows() + watched.names().len();
+        let rows = begun.rows() + watched.names().len();
         // With batches that are joined, a batch that is gathered, and its histograms.
         let batches =
             3 * BATCHES / 2 * rows + 2 * rows + of.count() * (BINS as usize).div_ceil(WIDTH);
-        let kept = batches + 3 * levels * dimension * vectors;
+        let kept = batches + 3 * begun.levels * dimension * vectors;
         let what = format!("{chains} chains of {dimension} components");
         Ok(demand(what, 8.0 * kept as f64 * chains as f64)?)
     }
@@ -403,10 +396,8 @@ impl<'a> Equilibrium<'a> {
         // Chains that choose their step come to rest again.
         let heated = if self.beta.is_some() { SPREADING / 2 } else { SPREADING };
         let (mut blocks, mut failures) = (Vec::new(), Vec::new());
-        for (paths, levels) in [(0..paired, known.levels), (paired..number, 1)] {
-            if paths.is_empty() {
-                continue;
-            }
+        let all = [(0..paired, known.levels), (paired..number, 1)];
+        for (paths, levels) in all.into_iter().filter(|(paths, _)| !paths.is_empty()) {
             let steps = known.batch_steps << (levels - 1);
             let count = paths.end - paths.start;
             let mut ladder = batch.ladder(steps, levels - 1, truncation, family, count)?;
@@ -414,13 +405,12 @@ impl<'a> Equilibrium<'a> {
                 ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
             }
             let ladder = ladder.starting(|run, path| {
-                let states = known.states(run, path, watched.dimension);
-                states.map_or_else(|| first(path), <[Row]>::to_vec)
+                known
+                    .states(run, path, watched.dimension)
+                    .map_or_else(|| first(path), <[Row]>::to_vec)
             });
-            let new = || {
-                let (blocks, weights) = (Vec::new(), Vec::new());
-                Gather { of, levels, chains: known, blocks, weights }
-            };
+            let new =
+                || Gather { of, levels, chains: known, blocks: Vec::new(), weights: Vec::new() };
             let found = ladder.run_until(stop, paths.start, count, new);
             blocks.extend(found.statistic.blocks);
             failures.extend(found.failures);

@@ -62,8 +62,7 @@ impl<'a> Metropolis<'a> {
     /// The reason why there is none, in words: a part without a flow, or friction on what is not a
     /// momentum with noise of its own.
     pub fn new(problem: &Problem<'_>, flows: &'a dyn System, beta: f64) -> Result<Self, String> {
-        let description = flows.description();
-        description.parts.as_ref().map_err(Clone::clone)?;
+        flows.description().parts.as_ref().map_err(Clone::clone)?;
         if flows.rest().is_some() {
             return Err("a part of H0 or of a noise has no exact flow".into());
         }
@@ -93,11 +92,10 @@ impl<'a> Metropolis<'a> {
             momenta.push(Momentum { component, rate: rates[component], noise: own[0], variance });
         }
         let new = Self { flows, beta, momenta, walks };
-        let gaussian = |one: &Momentum| points.iter().all(|y| new.is_gaussian(one, y));
-        match new.momenta.iter().all(gaussian) {
-            true => Ok(new),
-            false => Err("H0 is not quadratic in a momentum with friction".into()),
+        if !new.momenta.iter().all(|one| points.iter().all(|y| new.is_gaussian(one, y))) {
+            return Err("H0 is not quadratic in a momentum with friction".into());
         }
+        Ok(new)
     }
 
     /// Number of increments of a step.
@@ -264,17 +262,6 @@ real::kernel! {
     }
 }
 
-impl Walk<'_> {
-    /// The factors of momenta for a step size.
-    fn set(&mut self, tau: f64) {
-        self.tau = tau;
-        for (factors, one) in self.factors.iter_mut().zip(&self.of.momenta) {
-            let decay = exp(-one.rate * tau);
-            *factors = (decay, (one.variance * (1.0 - decay * decay) / tau).sqrt());
-        }
-    }
-}
-
 impl Stepper for Walk<'_> {
     fn state(&self) -> &[Row] {
         &self.rows
@@ -286,31 +273,37 @@ impl Stepper for Walk<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        if step.tau != self.tau {
-            self.set(step.tau);
-        }
         let Self { of, d, rows, of_energy, of_noise, next, times, energy, tau, factors } = self;
+        if step.tau != *tau {
+            *tau = step.tau;
+            for (factors, one) in factors.iter_mut().zip(&of.momenta) {
+                let decay = exp(-one.rate * *tau);
+                *factors = (decay, (one.variance * (1.0 - decay * decay) / *tau).sqrt());
+            }
+        }
         let (dw, drawn) = noise.increments.split_at(noise.increments.len() - DRAWN);
         for (one, (decay, scale)) in of.momenta.iter().zip(factors) {
             mix(&mut rows[one.component], &dw[one.noise], *decay, *scale);
         }
         let (y, more) = rows.split_at_mut(*d);
-        let mut taken = [0.0; WIDTH];
         let mut energies = [energy.values(y), [0.0; WIDTH]];
+        let mut propose = |flows: &mut dyn Program, times: &[Row], drawn: &[Row]| {
+            let mut taken = [0.0; WIDTH];
+            flows.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
+            energies[1] = energy.values(next);
+            decide(y, next, &mut energies, drawn, &mut taken, of.beta, *tau);
+            taken
+        };
         if let Some(of_noise) = of_noise {
             times[0] = [0.0; WIDTH];
             of.walks.iter().for_each(|&m| times[m + 1] = dw[m]);
-            of_noise.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
-            energies[1] = energy.values(next);
-            decide(y, next, &mut energies, &drawn[2..], &mut taken, of.beta, *tau);
+            let taken = propose(of_noise.as_mut(), times, &drawn[2..]);
             more[2].iter_mut().zip(&taken).for_each(|(sum, taken)| *sum += taken);
         }
         times.fill([0.0; WIDTH]);
-        let flow = share(step.number()) * *tau;
+        let flow = share(step.number()) * step.tau;
         times[0] = more[0].map(|direction| direction * flow);
-        of_energy.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
-        energies[1] = energy.values(next);
-        decide(y, next, &mut energies, &drawn[..2], &mut taken, of.beta, *tau);
+        let taken = propose(of_energy.as_mut(), times, &drawn[..2]);
         for p in 0..WIDTH {
             more[0][p] *= 2.0 * taken[p] - 1.0;
             more[1][p] += taken[p];

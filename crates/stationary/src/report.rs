@@ -153,16 +153,17 @@ impl Kept {
     /// differences from that besides.
     fn mean(&self, weights: [f64; LEVELS]) -> (f64, f64) {
         let weights = &weights[LEVELS - self.means.len()..];
-        let all = self.means[0].len() as f64;
+        let main = &self.means[0];
         let paired = self.means.last().map_or(0, Vec::len);
+        let all = main.len() as f64;
         let sum: f64 = weights.iter().sum();
         // Of differences nothing is left.
         let share = if sum.abs() > 1e-9 { sum * paired as f64 / all } else { 0.0 };
-        let of =
-            |n: usize| -> f64 { weights.iter().zip(&self.means).map(|(w, of)| w * of[n]).sum() };
-        let one = |n: usize| of(n) - sum * self.means[0][n] + share * self.means[0][n];
-        let first = moments((0..paired).map(one));
-        let others = moments(self.means[0][paired..].iter().map(|x| sum * x));
+        let first = moments((0..paired).map(|n| {
+            let of: f64 = weights.iter().zip(&self.means).map(|(w, of)| w * of[n]).sum();
+            of - sum * main[n] + share * main[n]
+        }));
+        let others = moments(main[paired..].iter().map(|x| sum * x));
         if share == 0.0 || others.count() == 0 {
             return (first.mean(), first.variance_of_mean().sqrt());
         }
@@ -179,11 +180,10 @@ impl Kept {
 
     /// The number of chains with all step sizes that gives the least error for its cost.
     fn wanted(&self) -> f64 {
-        let one = |n: usize| self.means[LEVELS - 1][n] - self.means[0][n];
-        let correction = moments((0..self.means[LEVELS - 1].len()).map(one)).variance();
-        let cost = f64::from((1 << LEVELS) - 2);
-        let main = self.main(true).variance();
-        self.means[0].len() as f64 * (correction / (main * cost)).sqrt()
+        let (first, last) = (&self.means[0], &self.means[LEVELS - 1]);
+        let correction = moments(last.iter().zip(first).map(|(last, first)| last - first));
+        let cost = self.main(true).variance() * f64::from((1 << LEVELS) - 2);
+        first.len() as f64 * (correction.variance() / cost).sqrt()
     }
 }
 
@@ -206,35 +206,32 @@ impl Averages {
         let row = |k: usize| main + k;
         // The sum of exponents is known to settle.
         let settling = if is_average { count } else { (count - 1).max(1) };
-        let burn_ins = (0..count).map(|k| burn_in(&living, row(k), least / unit));
-        let burn_in = burn_ins.reduce(|a, b| Some(a?.max(b?))).flatten();
+        let burn_in = (0..count)
+            .try_fold(0, |most: usize, k| Some(most.max(burn_in(&living, row(k), least / unit)?)));
         let first = burn_in.unwrap_or(batches / 2);
         let late = (batches - first) as f64;
         let time = tau * (chains.batch_steps * batches as u64) as f64;
-        let kept = |k: usize| {
-            let means = |row: usize| living.sums(row, first..batches).map(|sum| sum * unit / late);
-            let all = (first..batches).map(|b| spread(&living, row(k), b)).sum::<f64>();
-            Kept {
-                means: (0..levels)
-                    .map(|run| {
-                        let chains = if run == 0 { live } else { living.paired };
-                        means(run * count + k).take(chains).collect()
-                    })
-                    .collect(),
-                square: means(levels * count + k).sum::<f64>() / live as f64,
-                of_batches: all * unit * unit / (late * late),
-                time: time * late / batches as f64,
-            }
+        let means = |run: usize, row: usize| {
+            let chains = if run == 0 { live } else { living.paired };
+            living.sums(row, first..batches).map(move |sum| sum * unit / late).take(chains)
+        };
+        let kept = |k: usize| Kept {
+            means: (0..levels).map(|run| means(run, run * count + k).collect()).collect(),
+            square: means(0, levels * count + k).sum::<f64>() / live as f64,
+            of_batches: (first..batches).map(|b| spread(&living, row(k), b)).sum::<f64>()
+                * unit
+                * unit
+                / (late * late),
+            time: time * late / batches as f64,
         };
         // −Cov(φ, w) + ⟨∂φ⟩ for a weight w: of the rows of φ, w and φw − ∂φ at each step size.
         let slope = |name: String, rows: &dyn Fn(usize) -> [usize; 3]| {
             let of_run = |run: usize| -> Vec<f64> {
-                let chains = if run == 0 { live } else { living.paired };
-                let means = |row| living.means(row, first..batches).take(chains);
-                let rows = rows(run).map(|row| means(row).collect::<Vec<_>>());
+                let rows = rows(run).map(|row| means(run, row).collect::<Vec<_>>());
                 let [f, w] = [0, 1].map(|k| moments(rows[k].iter().copied()).mean());
-                let one = |n: usize| f * (rows[1][n] - w) + w * rows[0][n] - rows[2][n];
-                (0..chains).map(one).collect()
+                (0..rows[0].len())
+                    .map(|n| f * (rows[1][n] - w) + w * rows[0][n] - rows[2][n])
+                    .collect()
             };
             let means = (0..levels).map(of_run).collect();
             let kept = Kept { means, square: 0.0, of_batches: 0.0, time };
@@ -248,18 +245,17 @@ impl Averages {
             let products = |run| chains.products(run, weight);
             slope(name, &|run| [run * count + k, products(run), products(run) + 2 + k])
         };
-        let written = |mean: StationaryMean| [mean.mean, mean.half_width()];
+        let ends = |mean: StationaryMean| [mean.mean, mean.half_width()];
         let wells = watched.wells(&living, (count, is_average, main, chains.rows()), first);
         let mut wanted = 0.0f64;
-        let names = of.names().into_iter().enumerate().zip(wells);
-        let means = names.map(|((k, name), well)| {
+        let mean = |((k, name), well): ((usize, String), Option<Well>)| {
             let kept = kept(k);
             if is_average && levels == LEVELS {
                 wanted = kept.wanted().max(wanted);
             }
             let mut mean = mean(&kept, settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();
-            mean.by_beta = beta.map(|_| written(by(0, k, String::new())));
+            mean.by_beta = beta.map(|_| ends(by(0, k, String::new())));
             if !is_average {
                 let wander = unit * wander(&living, row(k), first);
                 mean.sampling = hypot(mean.sampling, wander);
@@ -278,13 +274,15 @@ impl Averages {
                 mean.unknown.get_or_insert(what.with_reason(format!("{of} does not forget")));
             }
             mean
-        });
-        let means: Vec<StationaryMean> = means.collect();
-        let drifts = Warning::new("the chains still drift after half of their time")
-            .with_reason("no stationary law is reached, or there is none");
-        let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
+        };
+        let means: Vec<StationaryMean> =
+            of.names().into_iter().enumerate().zip(wells).map(mean).collect();
         let drifts =
-            (burn_in.is_none() && means.iter().take(settling).any(settles)).then_some(drifts);
+            burn_in.is_none() && means.iter().take(settling).any(|mean| mean.unsettled == 0.0);
+        let drifts = drifts.then(|| {
+            Warning::new("the chains still drift after half of their time")
+                .with_reason("no stationary law is reached, or there is none")
+        });
         let is_short = !is_average && watched.dimension > 1 && time * accuracy < APART;
         let mixed = is_short.then(|| {
             let length = format!("chains should have a length of {}", short(APART / accuracy));
@@ -294,12 +292,11 @@ impl Averages {
         let all = settings.blocks_of_chains();
         let failed = all - live as u64;
         let fails = failed > 0;
-        let large = match chains.are_large() {
-            true => {
-                "states are beyond 1e50: steps are too long, or they grow without bound, and \
-                 exponents of a linear system are those at y = 0"
-            }
-            false => "",
+        let large = if chains.are_large() {
+            "states are beyond 1e50: steps are too long, or they grow without bound, and exponents \
+             of a linear system are those at y = 0"
+        } else {
+            ""
         };
         let failed = fails
             .then(|| Warning::new(format!("{failed} of {all} chains failed")).with_reason(large));
@@ -312,18 +309,16 @@ impl Averages {
             };
             (parameter.clone(), means.iter().enumerate().map(of_mean).collect())
         });
-        let gradient = gradient.collect();
         Self {
             scheme: scheme.into(),
-            means,
-            gradient,
+            gradient: gradient.collect(),
             accuracy,
             taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
             accepted: beta.map(|_| chains.accepted),
             heat_capacity: beta.map(|beta| {
                 let products = chains.products(0, 0);
                 let [value, half_width] =
-                    written(slope(String::new(), &|_| [products, products, products + 1]));
+                    ends(slope(String::new(), &|_| [products, products, products + 1]));
                 [-beta * beta * value, beta * beta * half_width]
             }),
             chains: live,
@@ -334,6 +329,7 @@ impl Averages {
             unknown: drifts.into_iter().chain(failed).chain(mixed).collect(),
             fails,
             wanted,
+            means,
         }
     }
 
@@ -387,8 +383,7 @@ fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
     let spread = |b: usize| spread(living, row, b);
     let usual = (half..all).map(spread).sum::<f64>() / half as f64;
     let is_early = |b: usize| differ(b..b + 1, half..all) || spread(b) > WIDER * usual;
-    let late = (0..half).rev().find(|b| is_early(*b));
-    let first = late.map_or(1, |b| 2 * (b + 1));
+    let first = (0..half).rev().find(|&b| is_early(b)).map_or(1, |b| 2 * (b + 1));
     (first <= half && !differ(first..(first + all) / 2, (first + all) / 2..all)).then_some(first)
 }
 
@@ -404,9 +399,10 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     let (sign, least) = (if turns { -1.0 } else { 1.0 }, MIN_FALL * exp2(order));
     let (excess, error) = kept.mean([-sign, sign + least, -least]);
     let slow = excess * fine.0.signum() > EXCEEDS * error;
-    let ways = match slow || turns && seen(coarse) && seen(fine) {
-        true => [[[0.0, 0.0, 1.0], [-sign, sign - 1.0, 1.0]]; 2],
-        false => ways(order),
+    let ways = if slow || turns && seen(coarse) && seen(fine) {
+        [[[0.0, 0.0, 1.0], [-sign, sign - 1.0, 1.0]]; 2]
+    } else {
+        ways(order)
     };
     let [plain, extrapolated] = ways.map(|[weights, bias]| {
         let with =
@@ -435,24 +431,18 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     };
     let unknown = if !mean.is_finite() {
         Some(Warning::new("it is not finite"))
+    } else if lengths < MIN_LENGTH && is_average {
+        let what = format!("the chains are {lengths:.1} autocorrelation times long, or disagree");
+        Some(Warning::new(what).with_reason(format!("{MIN_LENGTH} are wanted")))
     } else if lengths < MIN_LENGTH {
-        Some(match is_average {
-            true => {
-                let what = format!("the chains are {lengths:.1} autocorrelation times long");
-                Warning::new(what + ", or disagree").with_reason(format!("{MIN_LENGTH} are wanted"))
-            }
-            false => Warning::new("the chains are too short, or disagree"),
-        })
+        Some(Warning::new("the chains are too short, or disagree"))
     } else {
         let few = main.effective_samples() < FEW_SAMPLES.min(count / 6.0);
         few.then(|| Warning::new("a few chains decide"))
     };
     let level = |run: usize| {
-        let mut weights = [0.0, 0.0, -1.0];
-        weights[run] += 1.0;
-        let (difference, error) = kept.mean(weights);
-        let mut own = [0.0; LEVELS];
-        own[run] = 1.0;
+        let own = std::array::from_fn(|k| if k == run { 1.0 } else { 0.0 });
+        let (difference, error) = kept.mean([own[0], own[1], own[2] - 1.0]);
         (kept.mean(own).0, difference, error)
     };
     StationaryMean {
@@ -503,9 +493,11 @@ impl fmt::Display for Averages {
                 let (lo, hi) = mean.interval();
                 let (sign, end) = if mean.mean > 0.0 { ("≤", hi) } else { ("≥", lo) };
                 let end = written(end, half_width);
-                let why = match lo <= 0.0 && 0.0 <= hi {
-                    true => "growth may be that of a power of t, so far",
-                    false => "growth changes with time",
+                let is_power = lo <= 0.0 && 0.0 <= hi;
+                let why = if is_power {
+                    "growth may be that of a power of t, so far"
+                } else {
+                    "growth changes with time"
                 };
                 writeln!(f, "  {name} {sign} {end}: {why}")?;
             }
@@ -529,10 +521,10 @@ impl fmt::Display for Averages {
         if let Some([by_energy, by_noise]) = accepted {
             let percent = |part: &f64| format!("{:.1} %", 100.0 * part);
             write!(f, "exact: Metropolis; accepted {}", percent(by_energy))?;
-            match *by_noise > 0.0 {
-                true => writeln!(f, ", of moves by noises {}", percent(by_noise))?,
-                false => writeln!(f)?,
+            if *by_noise > 0.0 {
+                write!(f, ", of moves by noises {}", percent(by_noise))?;
             }
+            writeln!(f)?;
         }
         for why in &self.unknown {
             writeln!(f, "cannot tell: {why}")?;

@@ -69,12 +69,11 @@ impl Watched<'_> {
 
     pub fn names(&self) -> Vec<String> {
         let components = self.components().map(|i| self.names[i].clone());
-        let sum = |first: usize| {
+        let sums = (0..self.sums()).map(|first| {
             let two: Vec<&str> =
                 self.names.iter().skip(first).step_by(SUMS).take(2).map(String::as_str).collect();
             format!("{} + …", two.join(" + "))
-        };
-        let sums = (0..self.sums()).map(sum);
+        });
         let functions = self.functions.iter().map(|function| function.name().to_owned());
         components.chain(sums).chain(functions).collect()
     }
@@ -112,21 +111,23 @@ impl Watched<'_> {
         }
         // Those that keep their wells, with what they were early.
         let root = (living.chains.len() as f64 - 1.0).sqrt();
-        let keeping = names.iter().enumerate().filter_map(|(k, name)| {
+        let keeps = |(k, name): (usize, &String)| {
             let early = means(watched + k, first - 1..quarter);
             let r = correlation(&early, &means(watched + k, quarter..all));
-            (r * root > KEEPS).then_some((&**name, early, r))
-        });
-        let keeping: Vec<_> = keeping.collect();
+            (r * root > KEEPS).then(|| (name.clone(), early, r))
+        };
+        let keeping: Vec<_> = names.iter().enumerate().filter_map(keeps).collect();
         let least = (DEPENDS + 2.0 * ln(keeping.len().max(1) as f64)).sqrt();
         let well = |k: usize| {
             let late = means(main + k, quarter..all);
-            let depends = |early: &[f64]| correlation(early, &late).abs();
-            let of = keeping.iter().map(|(name, early, r)| (*name, depends(early), *r));
-            let of = of.filter(|(_, depends, _)| depends * root > least);
             let itself = correlation(&means(main + k, first..quarter), &late);
             let itself = (own && itself * root > KEEPS).then_some(("it", itself, itself));
-            let (of, _, r) = of.chain(itself).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let (of, _, r) = keeping
+                .iter()
+                .map(|(name, early, r)| (&**name, correlation(early, &late).abs(), *r))
+                .filter(|(_, depends, _)| depends * root > least)
+                .chain(itself)
+                .max_by(|a, b| a.1.total_cmp(&b.1))?;
             // The correlation falls by e in a time of crossing.
             Some(Well { of: of.into(), crossings: -ln(r) / LAG })
         };

@@ -72,19 +72,6 @@ const FLAT: [f64; 2] = [0.0, 0.25];
 /// Number of counts of a joint law: those of its bins, and one of values outside of them.
 pub const CELLS: usize = (BINS * BINS) as usize + 1;
 
-/// Shift and scale by which values of an observable have the size one.
-#[derive(Clone, Copy)]
-struct Unit {
-    middle: f64,
-    scale: f64,
-}
-
-impl Unit {
-    fn row(self, values: &Row) -> Row {
-        values.map(|x| (x - self.middle) * self.scale)
-    }
-}
-
 /// Number of bins of the grid of a study that make one of a joint law.
 fn joined(grid: &Grid) -> u32 {
     grid.bins.div_ceil(BINS)
@@ -108,9 +95,11 @@ impl<'a> Cells<'a> {
         &self.grids[time * self.observables + k]
     }
 
-    fn unit(self, time: usize, k: usize) -> Unit {
+    /// Values of an observable, shifted and scaled to the size one.
+    fn scaled(self, time: usize, k: usize, values: &[Row]) -> Row {
         let grid = self.grid(time, k);
-        Unit { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
+        let (middle, scale) = (grid.edge(grid.bins / 2), grid.scale());
+        values[k].map(|x| (x - middle) * scale)
     }
 
     /// Number of times from which on lags are counted.
@@ -121,7 +110,7 @@ impl<'a> Cells<'a> {
     /// The values of the observables of which lags are wanted, in the same unit at all times.
     pub fn lagged(self, values: &[Row]) -> Vec<Row> {
         let last = self.times() - 1;
-        self.wanted.lagged.iter().map(|&k| self.unit(last, k).row(&values[k])).collect()
+        self.wanted.lagged.iter().map(|&k| self.scaled(last, k, values)).collect()
     }
 }
 
@@ -141,8 +130,11 @@ impl Past {
         self.filtered.resize(length, vec![[0.0; WIDTH]; rows.len()]);
         for (place, weight) in [(first, size - after), (first + 1, after)] {
             let weight = weight / (size * size);
-            let pairs = self.filtered[place].iter_mut().flatten().zip(rows.iter().flatten());
-            pairs.for_each(|(sum, x)| *sum += weight * x);
+            self.filtered[place]
+                .iter_mut()
+                .flatten()
+                .zip(rows.iter().flatten())
+                .for_each(|(sum, x)| *sum += weight * x);
         }
     }
 }
@@ -173,14 +165,21 @@ impl Dependence {
     }
 
     pub fn merge(&mut self, later: &Self) {
-        let pairs = self.pairs.iter_mut().zip(&later.pairs).flat_map(|(a, b)| a.iter_mut().zip(b));
-        for (sums, more) in pairs {
-            add_rows(sums, more);
-        }
-        let lagged = self.lagged.iter_mut().flatten().zip(later.lagged.iter().flatten());
-        lagged.for_each(|(sums, more)| add_rows(sums, more));
-        let joint = self.joint.iter_mut().flatten().zip(later.joint.iter().flatten());
-        joint.for_each(|(sum, more)| *sum += more);
+        self.pairs
+            .iter_mut()
+            .flatten()
+            .zip(later.pairs.iter().flatten())
+            .for_each(|(sums, more)| add_rows(sums, more));
+        self.lagged
+            .iter_mut()
+            .flatten()
+            .zip(later.lagged.iter().flatten())
+            .for_each(|(sums, more)| add_rows(sums, more));
+        self.joint
+            .iter_mut()
+            .flatten()
+            .zip(later.joint.iter().flatten())
+            .for_each(|(sum, more)| *sum += more);
     }
 
     /// Adds the values of all observables on a block at a time.
@@ -195,14 +194,15 @@ impl Dependence {
         let (wanted, is_last) = (of.wanted, time + 1 == of.times());
         let pairs = wanted.pairs.iter().zip(&mut self.pairs[time]).zip(&mut self.joint);
         for ((&(k, l), sums), joint) in pairs {
-            let [a, b] = [k, l].map(|k| of.unit(time, k).row(&values[k]));
-            let bins = |k: usize| {
-                let (grid, mut places) = (of.grid(time, k), [0; WIDTH]);
-                grid.place(&values[k], &mut places);
-                let inside = |place| (1..=grid.bins).contains(&place);
-                places.map(|place| inside(place).then(|| (place - 1) / joined(grid)))
-            };
-            let last = is_last.then(|| [k, l].map(bins));
+            let [a, b] = [k, l].map(|k| of.scaled(time, k, values));
+            let last = is_last.then(|| {
+                [k, l].map(|k| {
+                    let (grid, mut places) = (of.grid(time, k), [0; WIDTH]);
+                    grid.place(&values[k], &mut places);
+                    let inside = |place| (1..=grid.bins).contains(&place);
+                    places.map(|place| inside(place).then(|| (place - 1) / joined(grid)))
+                })
+            });
             for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
                 let terms = [1.0, a[p], b[p], a[p] * b[p], a[p] * a[p], b[p] * b[p]];
                 sums.iter_mut().zip(terms).for_each(|(row, term)| row[p] += term);
@@ -226,10 +226,13 @@ impl Dependence {
         for (n, sums) in self.lagged.iter_mut().enumerate() {
             for (past, rows) in [&values, &filtered].into_iter().zip(sums) {
                 let mut x: Vec<Row> = past.iter().map(|all| all[n]).collect();
-                let is_whole = |p: &usize| x.iter().map(|row| row[*p]).sum::<f64>().is_finite();
-                let counted: Vec<usize> = live.paths().filter(is_whole).collect();
-                let others = (0..WIDTH).filter(|p| !counted.contains(p));
-                others.for_each(|p| x.iter_mut().for_each(|row| row[p] = 0.0));
+                let counted: Vec<usize> = live
+                    .paths()
+                    .filter(|p| x.iter().map(|row| row[*p]).sum::<f64>().is_finite())
+                    .collect();
+                (0..WIDTH)
+                    .filter(|p| !counted.contains(p))
+                    .for_each(|p| x.iter_mut().for_each(|row| row[p] = 0.0));
                 counted.iter().for_each(|&p| rows[0][p] += 1.0);
                 let length = x.len() as f64;
                 for p in 0..WIDTH {
@@ -254,20 +257,18 @@ fn jackknife(sums: &[Row], functions: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Option
     let g = batches.len() as f64;
     let total: Vec<f64> = sums.iter().map(|row| batches.iter().map(|&p| row[p]).sum()).collect();
     let whole = functions(&total);
-    let without = batches.iter().map(|&p| {
-        let rest: Vec<f64> = total.iter().zip(sums).map(|(total, row)| total - row[p]).collect();
-        functions(&rest)
-    });
-    let without: Vec<Vec<f64>> = without.collect();
+    let rest = |p: usize| total.iter().zip(sums).map(|(all, row)| all - row[p]).collect::<Vec<_>>();
+    let without: Vec<_> = batches.iter().map(|&p| functions(&rest(p))).collect();
     let quantile = two_sided(0.95, Some((g - 1.0).max(1.0)));
-    let of = |(k, &whole): (usize, &f64)| {
-        let pseudo: Vec<f64> = without.iter().map(|one| g * whole - (g - 1.0) * one[k]).collect();
-        let mean = pseudo.iter().sum::<f64>() / g;
-        let square = pseudo.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
-        let half = quantile * (square / (g * (g - 1.0))).sqrt();
-        (mean + half).is_finite().then_some([mean, mean - half, mean + half])
-    };
-    whole.iter().enumerate().map(of).collect()
+    (0..whole.len())
+        .map(|k| {
+            let pseudo = without.iter().map(|one| g * whole[k] - (g - 1.0) * one[k]);
+            let mean = pseudo.clone().sum::<f64>() / g;
+            let square = pseudo.map(|x| (x - mean) * (x - mean)).sum::<f64>();
+            let half = quantile * (square / (g * (g - 1.0))).sqrt();
+            (mean + half).is_finite().then_some([mean, mean - half, mean + half])
+        })
+        .collect()
 }
 
 /// A summary of a value with its interval.
@@ -276,14 +277,12 @@ fn summary(step: u64, time: f64, count: u64, value: Option<[f64; 3]>) -> Summary
     Summary { step, time, count, mean, mean_interval, ..Summary::default() }
 }
 
-/// A step and its time.
-type At = (u64, f64);
-
 /// Sums of dependence, with the names and the times that results need.
 pub struct Found<'a> {
     pub of: Cells<'a>,
     pub names: &'a [String],
-    pub at: Vec<At>,
+    /// Steps and their times.
+    pub at: Vec<(u64, f64)>,
     pub sums: &'a Dependence,
 }
 
@@ -292,9 +291,9 @@ impl Found<'_> {
     /// comes first, with covariance zero and no correlation.
     pub fn pairs(&self, start: Option<u64>) -> Vec<Series> {
         let of = |(n, &(k, l)): (usize, &(usize, usize))| {
-            let point = |(time, &(step, t)): (usize, &At)| {
+            let points = self.at.iter().enumerate().map(|(time, &(step, t))| {
                 let sums = &self.sums.pairs[time][n];
-                let [a, b] = [k, l].map(|k| self.of.unit(time, k).scale);
+                let [a, b] = [k, l].map(|k| self.of.grid(time, k).scale());
                 let found = jackknife(sums, |s| {
                     let product = |sum: f64, x: f64, y: f64| (sum - x * y / s[0]) / (s[0] - 1.0);
                     let covariance = product(s[3], s[1], s[2]);
@@ -305,18 +304,19 @@ impl Found<'_> {
                 let count = sums[0].iter().sum::<f64>() as u64;
                 let correlation = found[1].map(|ends| ends.map(tanh));
                 [found[0], correlation].map(|value| summary(step, t, count, value))
+            });
+            let zero = [Some([0.0; 3]), None];
+            let first = start.map(|paths| zero.map(|value| summary(0, 0.0, paths, value)));
+            let (covariances, correlations) =
+                first.into_iter().chain(points).map(|[one, other]| (one, other)).unzip();
+            let series = |what: &str, kind, points| {
+                let observable = format!("{what}({}, {})", self.names[k], self.names[l]);
+                Series { observable, kind, points }
             };
-            let points: Vec<_> = self.at.iter().enumerate().map(point).collect();
-            let names = format!("({}, {})", self.names[k], self.names[l]);
-            let kinds = [("cov", Kind::Covariance), ("corr", Kind::Correlation)];
-            [0, 1].map(|column| {
-                let (what, kind) = kinds[column];
-                let zero = (kind == Kind::Covariance).then_some([0.0; 3]);
-                let first = start.map(|paths| summary(0, 0.0, paths, zero));
-                let points = points.iter().map(|point| point[column].clone());
-                let points = first.into_iter().chain(points).collect();
-                Series { observable: format!("{what}{names}"), kind, points }
-            })
+            [
+                series("cov", Kind::Covariance, covariances),
+                series("corr", Kind::Correlation, correlations),
+            ]
         };
         self.of.wanted.pairs.iter().enumerate().flat_map(of).collect()
     }
@@ -327,12 +327,11 @@ impl Found<'_> {
         let number = self.of.lagged_times();
         let (delta, half) = (last.1 - before.1, (number / 2).max(1));
         let of = |(&k, [sums, filtered]): (&usize, &[Vec<Row>; 2])| {
-            let unit = self.of.unit(self.at.len() - 1, k).scale;
+            let unit = self.of.grid(self.at.len() - 1, k).scale();
             let covariances = |s: &[f64], number: usize| -> Vec<f64> {
                 let mean = s[1] / s[0];
-                let number = |k: usize| number as f64 - k as f64;
-                let of_lag = |(k, sum): (usize, &f64)| sum / (s[0] * number(k)) - mean * mean;
-                s[2..].iter().enumerate().map(of_lag).collect()
+                let of_lag = |(k, sum)| sum / (s[0] * (number as f64 - f64::from(k))) - mean * mean;
+                (0u32..).zip(&s[2..]).map(of_lag).collect()
             };
             let autocorrelation = jackknife(sums, |s| {
                 let c = covariances(s, number);
@@ -342,37 +341,39 @@ impl Found<'_> {
             let frequencies = 0..=(half / 2).min((half as f64 * every / 8.0) as usize);
             let angle = |n: usize| PI * n as f64 / half as f64;
             let cosines: Vec<f64> = (0..2 * half).map(|n| cos(angle(n))).collect();
-            let windows = (0..half).map(|k| {
+            let window = |k: usize| {
                 let both = if k == 0 { 1.0 } else { 2.0 };
                 FLAT.map(|flat| {
                     let falls = (angle(k) - PI * flat).max(0.0) / (1.0 - flat);
                     both * (0.5 + 0.5 * cos(falls))
                 })
-            });
-            let windows: Vec<[f64; 2]> = windows.collect();
+            };
+            let windows: Vec<_> = (0..half).map(window).collect();
             let both = jackknife(filtered, |s| {
                 let c = covariances(s, number.saturating_sub(2));
-                let spectrum = |j: usize| {
-                    let x = 0.5 * angle(j);
-                    let root = match j {
-                        0 => 1.0,
-                        _ => sin(x) / (every * sin(x / every)),
-                    };
-                    let scale = delta / (2.0 * PI * powi(root, 4) * unit * unit);
-                    let terms = (0..).zip(&c).map(|(k, c)| scale * c * cosines[j * k % (2 * half)]);
-                    terms.zip(&windows).fold([0.0; 2], |sum, (term, window)| {
-                        [0, 1].map(|n| sum[n] + window[n] * term)
+                frequencies
+                    .clone()
+                    .flat_map(|j| {
+                        let x = 0.5 * angle(j);
+                        let root = if j == 0 { 1.0 } else { sin(x) / (every * sin(x / every)) };
+                        let scale = delta / (2.0 * PI * powi(root, 4) * unit * unit);
+                        let terms = (0..).zip(c.iter().zip(&windows));
+                        terms.fold([0.0; 2], |sum, (k, (c, window))| {
+                            let term = scale * c * cosines[j * k % (2 * half)];
+                            [0, 1].map(|n| sum[n] + window[n] * term)
+                        })
                     })
-                };
-                frequencies.clone().flat_map(spectrum).collect()
+                    .collect()
             });
-            let widened = |of: &[Option<[f64; 3]>]| {
-                let ([mean, lo, hi], [_, least, most]) = (of[0]?, of[1]?);
-                Some([mean, lo.min(least), hi.max(most)])
-            };
-            let spectrum = both.chunks_exact(2).map(widened).collect();
+            let spectrum = both
+                .chunks_exact(2)
+                .map(|of| {
+                    let ([mean, lo, hi], [_, least, most]) = (of[0]?, of[1]?);
+                    Some([mean, lo.min(least), hi.max(most)])
+                })
+                .collect();
             let count = sums[0].iter().sum::<f64>() as u64;
-            let series = |what: &str, kind, axis: f64, values: Vec<Option<[f64; 3]>>| {
+            let series = |what: &str, kind, axis: f64, values: Vec<_>| {
                 let point = |(k, x)| summary(k, axis * k as f64, count, x);
                 let points = (0..).zip(values).map(point).collect();
                 Series { observable: format!("{what}({})", self.names[k]), kind, points }

@@ -71,7 +71,7 @@ pub use grid::Grid;
 pub use result::{COLUMNS, Kind, Losses, Series, StudyResult, write_rows};
 pub use settings::{Record, StudySettings};
 pub use summary::{
-    Histogram, IntervalNote, IntervalOf, Place, Quantile, STATISTICS, Summary, SummaryStatistic,
+    Histogram, IntervalNote, Place, Quantile, STATISTICS, Summary, SummaryStatistic,
 };
 
 /// Observables of many paths of a problem by a scheme, see the [module](self). The bins are chosen
@@ -110,14 +110,16 @@ impl<'a> Study<'a> {
         let pilot = ladder(Purpose::Pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
         let seen = pilot.run_until(&settings.stop, 0, settings.pilot, new).statistic.sums;
-        let ranges = seen.moments.iter().map(|moments| moments.range());
-        let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
+        let grids = seen
+            .moments
+            .iter()
+            .map(|values| Grid::covering(values.range(), settings.bins))
+            .collect();
         let ladder = ladder(Purpose::Paths)?;
         if let Some(device) = setup.problem.device.filter(|one| settings.paths < one.fewest()) {
             device.refuse("few paths are sooner done there");
         }
-        let wanted = settings.wanted.clone();
-        Ok(Self { ladder, observables, wanted, record, grids })
+        Ok(Self { ladder, observables, wanted: settings.wanted.clone(), record, grids })
     }
 
     /// Calls `progress` from any thread with the number of path-steps done since its last call; the
@@ -148,9 +150,8 @@ impl<'a> Study<'a> {
     /// # Panics
     /// As [`Ladder::run`].
     pub fn run_in(&self, job: &Job, name: &str) -> Option<StudyResult> {
-        let new = || self.statistic();
-        let measured = self.ladder.run_in(job, name, self.record.paths, new);
-        measured.map(|measured| self.result(&measured))
+        let found = self.ladder.run_in(job, name, self.record.paths, || self.statistic())?;
+        Some(self.result(&found))
     }
 
     fn result(&self, measured: &Measured<StudyStatistic<'_>>) -> StudyResult {

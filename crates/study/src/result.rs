@@ -12,7 +12,9 @@ use super::{
     Grid, Joint, Wanted,
     dependence::{Cells, Found},
     settings::Record,
-    summary::{Histogram, IntervalNote, Place, Quantile, Ranks, STATISTICS, Summary},
+    summary::{
+        Histogram, IntervalNote, Place, Quantile, Ranks, STATISTICS, Summary, SummaryStatistic,
+    },
     sums::StudyStatistic,
 };
 use mc::{Measured, quoted};
@@ -101,42 +103,42 @@ impl StudyResult {
             clipped: measured.clipped.iter().sum(),
         };
         let (names, planned) = (record.observables.iter().zip(&record.initial), record.paths);
-        let last = record.times.len().saturating_sub(1) * record.observables.len();
+        let count = record.observables.len();
+        let last = record.times.len().saturating_sub(1) * count;
         let paths = sums.moments[last].count() + sums.not_finite[last] + losses.failed;
         let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<(u64, usize), Vec<Ranks>>::new();
-        let tail = |k: usize| {
-            sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice))
-        };
-        let tails: Vec<Tail> = (0..record.observables.len()).map(tail).collect();
-        let series = names.enumerate().map(|(k, (name, initial))| {
-            let is_probability = wanted.probabilities.contains(&k);
-            let levels = if is_probability { &[][..] } else { &record.quantiles };
-            let exact = Summary::exact(*initial, paths, levels);
-            let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
-            let tail = tails[k];
-            for (time, &step) in record.times.iter().enumerate() {
-                let cell = time * record.observables.len() + k;
-                let mut histogram = Histogram::empty(grids[cell]);
-                histogram.add(&sums.counts(cell, &grids[cell]));
-                let count = sums.moments[cell].count();
-                let ranks = known.entry((count, levels.len())).or_insert_with(|| {
-                    levels.iter().map(|&level| (level, quantile_ranks(count, level))).collect()
-                });
-                let at = (step, record.time(step));
-                let summary = Summary::new(at, sums, cell, histogram, (ranks, tail));
-                points.push(if is_probability { summary.of_probability() } else { summary });
-            }
-            Series { observable: name.clone(), kind: Kind::Observable, points }
-        });
-        let mut series: Vec<_> = series.collect();
+        let tail = |k: usize| sums.moments[last + k].tail(sums.first.get(k).map_or(&[], |of| of));
+        let tails: Vec<Tail> = (0..count).map(tail).collect();
+        let mut series: Vec<_> = names
+            .enumerate()
+            .map(|(k, (name, initial))| {
+                let is_probability = wanted.probabilities.contains(&k);
+                let levels = if is_probability { &[][..] } else { &record.quantiles };
+                let exact = Summary::exact(*initial, paths, levels);
+                let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
+                for (time, &step) in record.times.iter().enumerate() {
+                    let cell = time * count + k;
+                    let mut histogram = Histogram::empty(grids[cell]);
+                    histogram.add(&sums.counts(cell, &grids[cell]));
+                    let values = sums.moments[cell].count();
+                    let ranks = known.entry((values, levels.len())).or_insert_with(|| {
+                        levels.iter().map(|&level| (level, quantile_ranks(values, level))).collect()
+                    });
+                    let at = (step, record.time(step));
+                    let summary = Summary::new(at, sums, cell, histogram, (ranks, tails[k]));
+                    points.push(if is_probability { summary.of_probability() } else { summary });
+                }
+                Series { observable: name.clone(), kind: Kind::Observable, points }
+            })
+            .collect();
         let mut warnings = warnings(&losses, paths, &series, &tails);
         if paths < planned {
             warnings.push(Warning::new(format!("stopped after {paths} of {planned} paths")));
         }
         let found = Found {
-            of: Cells { wanted, grids, observables: record.observables.len() },
+            of: Cells { wanted, grids, observables: count },
             names: &record.observables,
             at: record.times.iter().map(|&step| (step, record.time(step))).collect(),
             sums: &sums.dependence,
@@ -188,19 +190,17 @@ impl Series {
 /// falls.
 fn lasts(Series { observable, kind, points }: &Series) -> Option<Warning> {
     const SMALL: f64 = 0.05;
-    if *kind != Kind::Autocorrelation {
-        return None;
-    }
     let late = &points[2 * points.len() / 3..];
     let large =
         |point: &&Summary| point.mean_interval.is_some_and(|(lo, hi)| lo > SMALL || hi < -SMALL);
-    (late.iter().filter(large).count() > late.len() / 10).then(|| {
-        // Without rounding errors.
-        let to = format!("{:.9e}", points[points.len() - 1].time).parse().unwrap_or(f64::NAN);
-        let what = format!("{observable} is not small up to a lag of {to}");
-        let why = "peaks of its spectrum are broader and lower than they should be";
-        Warning::new(what).with_reason(why).with_remedy("take a longer time")
-    })
+    if *kind != Kind::Autocorrelation || late.iter().filter(large).count() <= late.len() / 10 {
+        return None;
+    }
+    // Without rounding errors.
+    let to = format!("{:.9e}", points[points.len() - 1].time).parse().unwrap_or(f64::NAN);
+    let what = format!("{observable} is not small up to a lag of {to}");
+    let why = "peaks of its spectrum are broader and lower than they should be";
+    Some(Warning::new(what).with_reason(why).with_remedy("take a longer time"))
 }
 
 /// Condition for a warning to concern a time.
@@ -244,38 +244,30 @@ pub const COLUMNS: &str = "t,observable,quantity,value,lo,hi,note";
 /// # Errors
 /// Those of the writer.
 pub fn write_rows(series: &[Series], before: &str, out: &mut impl Write) -> io::Result<()> {
+    let text = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:?}"));
+    let number = |count: u64| [count.to_string(), String::new(), String::new()];
     for Series { observable, points, .. } in series {
         let name = quoted(observable);
         for point @ Summary { time, .. } in points {
-            for (quantity, [value, lo, hi], note) in rows(point) {
-                writeln!(out, "{before}{time:?},{name},{quantity},{value},{lo},{hi},{note}")?;
+            let mut row = |quantity: &str, [value, lo, hi]: [String; 3], note: &str| {
+                writeln!(out, "{before}{time:?},{name},{quantity},{value},{lo},{hi},{note}")
+            };
+            row("count", number(point.count), "")?;
+            row("not finite", number(point.not_finite), "")?;
+            for SummaryStatistic { key, of, interval, .. } in STATISTICS {
+                let (lo, hi) = interval.map(|ends| ends(point).unzip()).unwrap_or_default();
+                let note = point.interval_note.as_ref().filter(|_| interval.is_some());
+                let note = note.map_or(String::new(), ToString::to_string);
+                row(key, [of(point), lo, hi].map(text), &note)?;
+            }
+            for &Quantile { level, value, lo, hi, place } in &point.quantiles {
+                row(&format!("q{level}"), [value, lo, hi].map(text), place.note())?;
+            }
+            if let Some(histogram) = &point.histogram {
+                row("below grid", number(histogram.below), "")?;
+                row("above grid", number(histogram.above), "")?;
             }
         }
     }
     Ok(())
-}
-
-type Row = (String, [String; 3], String);
-
-fn rows(point: &Summary) -> Vec<Row> {
-    let text = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:?}"));
-    let count = |name: &str, count: u64| {
-        (name.to_owned(), [count.to_string(), String::new(), String::new()], String::new())
-    };
-    let mut rows = vec![count("count", point.count), count("not finite", point.not_finite)];
-    rows.extend(STATISTICS.iter().map(|statistic| {
-        let ends = statistic.interval.map(|interval| interval(point).unzip());
-        let (lo, hi) = ends.unwrap_or_default();
-        let note = point.interval_note.as_ref().filter(|_| statistic.interval.is_some());
-        let note = note.map_or(String::new(), |note| note.to_string());
-        (statistic.key.to_owned(), [(statistic.of)(point), lo, hi].map(text), note)
-    }));
-    rows.extend(point.quantiles.iter().map(|&Quantile { level, value, lo, hi, place }| {
-        (format!("q{level}"), [value, lo, hi].map(text), place.note().to_owned())
-    }));
-    if let Some(histogram) = &point.histogram {
-        rows.push(count("below grid", histogram.below));
-        rows.push(count("above grid", histogram.above));
-    }
-    rows
 }

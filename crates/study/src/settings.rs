@@ -60,18 +60,6 @@ impl StudySettings {
         }
     }
 
-    /// The steps at whose ends observables are evaluated.
-    pub(super) fn time_steps(&self) -> Result<Vec<u64>, RunError> {
-        let Self { steps, times, .. } = *self;
-        match times > 0 && steps.is_multiple_of(times) {
-            true => Ok((1..=times).map(|n| n * (steps / times)).collect()),
-            false => Err(RunError::Setting(format!(
-                "{steps} steps cannot be divided into {times} equal parts: take a number that \
-                 divides them"
-            ))),
-        }
-    }
-
     /// Refuses statistics of `observables` observables that need more memory than is free.
     pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
         let threads = rayon::current_num_threads() as f64;
@@ -92,9 +80,9 @@ impl StudySettings {
         Ok(demand(what, sums * (times * at_a_time as f64 + (joint + first) as f64))?)
     }
 
-    /// Checks all but the times, the steps and the truncation.
-    pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), RunError> {
-        let Self { steps, paths, bins, pilot, .. } = *self;
+    /// Checks all but the truncation.
+    fn check(&self, observables: &[&dyn Observe]) -> Result<(), RunError> {
+        let Self { steps, times, paths, bins, pilot, .. } = *self;
         let (some, number) = (!observables.is_empty(), observables.len() as f64);
         let few = (2..=1 << 16).contains(&bins);
         RunError::unmet([
@@ -104,14 +92,23 @@ impl StudySettings {
             (pilot >= 128, "number of pilot paths", "at least 128", pilot as f64),
             (some, "number of observables", "at least 1", number),
         ])?;
-        let names: Vec<&str> = observables.iter().map(|observable| observable.name()).collect();
-        RunError::twice("observables", &names)?;
-        for (n, level) in self.quantiles.iter().enumerate() {
+        RunError::twice("observables", &names(observables))?;
+        RunError::unmet(self.quantiles.iter().enumerate().map(|(n, level)| {
             let met = 0.0 < *level && *level < 1.0 && !self.quantiles[..n].contains(level);
-            RunError::unmet([(met, "level of a quantile", "between 0 and 1, once each", *level)])?;
+            (met, "level of a quantile", "between 0 and 1, once each", *level)
+        }))?;
+        if times == 0 || !steps.is_multiple_of(times) {
+            return Err(RunError::Setting(format!(
+                "{steps} steps cannot be divided into {times} equal parts: take a number that \
+                 divides them"
+            )));
         }
         Ok(())
     }
+}
+
+fn names(observables: &[&dyn Observe]) -> Vec<String> {
+    observables.iter().map(|observable| observable.name().into()).collect()
 }
 
 /// Everything that the result of a study depends on. Systems and damping are described by
@@ -165,6 +162,7 @@ impl Record {
     ) -> Result<Self, RunError> {
         settings.check(observables)?;
         let Setup { problem, scheme } = setup;
+        let StudySettings { steps, times, .. } = *settings;
         let mut quantiles = settings.quantiles.clone();
         quantiles.sort_by(f64::total_cmp);
         let rows = setup.start();
@@ -180,14 +178,16 @@ impl Record {
             t_end: problem.t_end,
             scheme: scheme.about().id.into(),
             truncation: settings.truncation.order(),
-            steps: settings.steps,
-            times: start.map(|_| 0).into_iter().chain(settings.time_steps()?).collect(),
+            steps,
+            times: (start.map(|_| 0).into_iter())
+                .chain((1..=times).map(|n| n * (steps / times)))
+                .collect(),
             seed: settings.key.seed,
             experiment: settings.key.experiment,
             paths: settings.paths,
             pilot: settings.pilot,
             quantiles,
-            observables: observables.iter().map(|observable| observable.name().into()).collect(),
+            observables: names(observables),
             initial: initial.map(|value| value.is_finite().then_some(value)).collect(),
         })
     }

@@ -59,12 +59,9 @@ pub struct SummaryStatistic {
     pub title: Option<&'static str>,
     /// The number; `None` where it is not known.
     pub of: fn(&Summary) -> Option<f64>,
-    /// The 95 % interval, for statistics that have one.
-    pub interval: Option<IntervalOf>,
+    /// The 95 % interval, for statistics that have one; `None` where it is not known.
+    pub interval: Option<fn(&Summary) -> Option<(f64, f64)>>,
 }
-
-/// A function from a summary to an interval; `None` where it is not known.
-pub type IntervalOf = fn(&Summary) -> Option<(f64, f64)>;
 
 /// All statistics beside quantiles and counts.
 pub const STATISTICS: &[SummaryStatistic] = &[
@@ -80,19 +77,15 @@ pub const STATISTICS: &[SummaryStatistic] = &[
         of: |point| point.variance,
         interval: Some(|point| point.variance_interval),
     },
-    alone("deviation", Some("deviation"), |point| point.deviation),
-    alone("least", None, |point| point.least),
-    alone("largest", None, |point| point.largest),
+    SummaryStatistic {
+        key: "deviation",
+        title: Some("deviation"),
+        of: |point| point.deviation,
+        interval: None,
+    },
+    SummaryStatistic { key: "least", title: None, of: |point| point.least, interval: None },
+    SummaryStatistic { key: "largest", title: None, of: |point| point.largest, interval: None },
 ];
-
-/// A statistic without an interval.
-const fn alone(
-    key: &'static str,
-    title: Option<&'static str>,
-    of: fn(&Summary) -> Option<f64>,
-) -> SummaryStatistic {
-    SummaryStatistic { key, title, of, interval: None }
-}
 
 /// Reason why a mean has no interval, or why that is hardly known; in files its words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -218,21 +211,6 @@ impl Histogram {
             self.above += above;
         }
     }
-
-    /// The first place with values for which `reached` holds of the number of values up to its end:
-    /// its number among underflow, bins and overflow, and the number of values below it.
-    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
-        let mut before = 0;
-        let places = [self.below].into_iter().chain(self.counts.iter().copied());
-        for (place, count) in places.enumerate() {
-            if count > 0 && reached(before + count) {
-                return (place, before);
-            }
-            before += count;
-        }
-        (self.counts.len() + 1, before)
-    }
-
     /// The edges of a bin. Those of the underflow begin at the least value, those of the overflow
     /// end at the largest; and no value lies beyond these.
     fn ends(&self, place: usize, (least, largest): (f64, f64)) -> (f64, f64) {
@@ -253,25 +231,32 @@ impl Histogram {
         let Some(range) = range else {
             return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
         };
-        let n = self.below + self.counts.iter().sum::<u64>() + self.above;
+        let cells = [&[self.below], &*self.counts, &[self.above]].concat();
+        let n: u64 = cells.iter().sum();
+        // The place of the value of a rank, and the number of values below the place.
+        let find = |rank: f64| {
+            let mut up_to = 0;
+            let reaches = |&count: &u64| {
+                up_to += count;
+                count > 0 && up_to as f64 >= rank
+            };
+            let place = cells.iter().position(reaches).unwrap_or(cells.len() - 1);
+            (place, up_to - cells[place])
+        };
         let rank = level * n as f64;
         // Values equal to the ends are known, and count no more in their bins. One is no atom.
         let [low, high] = ends.map(|n| if n > 1 { n } else { 0 });
-        let [first, last] = [1, n].map(|rank| self.find(|up_to| up_to >= rank).0);
+        let [first, last] = [1, n].map(|rank| find(rank as f64).0);
         let others = |place: usize| {
-            let count = match place.checked_sub(1) {
-                None => self.below,
-                Some(bin) => self.counts.get(bin).copied().unwrap_or(self.above),
-            };
             let known = [(first, low), (last, high)].map(|(at, n)| if at == place { n } else { 0 });
-            count.saturating_sub(known[0] + known[1])
+            cells[place].saturating_sub(known[0] + known[1])
         };
-        let (place, before) = self.find(|up_to| up_to as f64 >= rank);
+        let (place, before) = find(rank);
         let (before, count) = (before.max(low), others(place));
         let ends = |rank: u64| match rank {
             _ if rank <= low => (range.0, range.0),
             _ if rank > n - high => (range.1, range.1),
-            _ => self.ends(self.find(|up_to| up_to >= rank).0, range),
+            _ => self.ends(find(rank as f64).0, range),
         };
         let (value, place) = if rank <= low as f64 {
             (Some(range.0), Place::Inside)
@@ -279,7 +264,7 @@ impl Histogram {
             (Some(range.1), Place::Inside)
         } else if place == 0 {
             (None, Place::BelowGrid)
-        } else if place > self.counts.len() {
+        } else if place + 1 == cells.len() {
             (None, Place::AboveGrid)
         } else if count > MORE + TIMES * others(place - 1).max(others(place + 1)) {
             (None, Place::Crowded)
@@ -297,10 +282,12 @@ impl Histogram {
 impl Summary {
     /// The summary of `count` paths that all have the same value.
     pub(super) fn exact(value: Option<f64>, count: u64, levels: &[f64]) -> Self {
-        let place = if value.is_some() { Place::Inside } else { Place::NoValues };
+        let (count, not_finite, place) = match value {
+            Some(_) => (count, 0, Place::Inside),
+            None => (0, count, Place::NoValues),
+        };
         let quantile = |&level| Quantile { level, value, lo: value, hi: value, place };
         let zero = value.map(|_| 0.0);
-        let (count, not_finite) = if value.is_some() { (count, 0) } else { (0, count) };
         Self {
             count,
             not_finite,
@@ -334,30 +321,28 @@ impl Summary {
         let scaled = |(lo, hi): (f64, f64)| (lo * unit, hi * unit);
         let (count, range) = (moments.count(), moments.range().map(scaled));
         let (least, largest) = range.unzip();
-        let spread = range.map_or(0.0, |(least, largest)| largest - least);
-        let size = range.map_or(0.0, |(least, largest)| least.abs().max(largest.abs()));
+        let (spread, size) = range.map_or((0.0, 0.0), |(least, largest)| {
+            (largest - least, least.abs().max(largest.abs()))
+        });
         let equal = spread <= ROUNDING * size;
         let variance = moments.variance();
         let tail = if moments.may_be_heavy() { tail } else { Tail::default() };
         // A spread whose square is zero is not known.
         let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0) && tail.has_variance();
-        let mean_interval = moments.mean_interval().filter(|_| !equal && tail.has_variance());
-        let mean_interval = mean_interval.map(scaled);
+        let varies = |_: &(f64, f64)| !equal && tail.has_variance();
+        let mean_interval = moments.mean_interval().filter(varies).map(scaled);
         let note = || match tail.is_heavy() {
             true => IntervalNote::Heavy(tail.to_string()),
             false if equal && count > 2 => IntervalNote::Equal(count / 3),
             false => IntervalNote::TooFew,
         };
-        let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
+        let quantile = |&(level, (l, u)): &Ranks| {
+            if !equal || count == 0 {
+                return histogram.quantile((level, (l, u)), range, moments.at_ends());
+            }
             // All of them, but for rounding errors.
-            true => Quantile {
-                level,
-                value: least,
-                lo: least.filter(|_| l > 0),
-                hi: largest.filter(|_| u <= count),
-                place: Place::Inside,
-            },
-            false => histogram.quantile((level, (l, u)), range, moments.at_ends()),
+            let (lo, hi) = (least.filter(|_| l > 0), largest.filter(|_| u <= count));
+            Quantile { level, value: least, lo, hi, place: Place::Inside }
         };
         Self {
             step,
@@ -368,10 +353,7 @@ impl Summary {
             interval_note: (count > 0 && (mean_interval.is_none() || tail.is_heavy())).then(note),
             mean_interval,
             variance: finite(variance * unit * unit).filter(known),
-            variance_interval: moments
-                .variance_interval()
-                .filter(|_| !equal && tail.has_variance())
-                .map(|(lo, hi)| (lo * unit * unit, hi * unit * unit)),
+            variance_interval: moments.variance_interval().filter(varies).map(scaled).map(scaled),
             deviation: finite(variance.sqrt() * unit).filter(known),
             least,
             largest,
@@ -382,9 +364,8 @@ impl Summary {
 
     /// Takes the binomial interval of values that are zero or one, and drops the histogram.
     pub(super) fn of_probability(self) -> Self {
-        let interval =
-            |mean: f64| proportion((mean * self.count as f64).round() as u64, self.count);
-        let mean_interval = self.mean.map(interval);
+        let mean_interval =
+            self.mean.map(|mean| proportion((mean * self.count as f64).round() as u64, self.count));
         let variance_interval = None;
         Self { mean_interval, variance_interval, interval_note: None, histogram: None, ..self }
     }

@@ -141,8 +141,11 @@ impl<'a> StudyStatistic<'a> {
         for &k in lagged {
             self.observables[k].evaluate(view.state(0), view.live, &mut self.values[k]);
         }
-        let past = self.past.entry(view.first_path).or_default();
-        past.filter(view.time - first, second - first, &self.of.lagged(&self.values));
+        self.past.entry(view.first_path).or_default().filter(
+            view.time - first,
+            second - first,
+            &self.of.lagged(&self.values),
+        );
     }
 }
 
@@ -161,8 +164,9 @@ impl Statistic for StudyStatistic<'_> {
             let grid = self.of.grids.get(first + k);
             self.sums.add(first + k, values, view.live, grid);
             if let Some(grid) = grid.filter(|_| keeps) {
-                let values = view.live.paths().map(|p| values[p] * grid.scale());
-                self.sums.first[k].extend(values.filter(|x| x.is_finite()));
+                self.sums.first[k].extend(
+                    view.live.paths().map(|p| values[p] * grid.scale()).filter(|x| x.is_finite()),
+                );
             }
         }
         if !self.of.grids.is_empty() {
@@ -220,25 +224,23 @@ impl Counts {
     /// are narrow.
     pub fn add(&mut self, first: usize, places: &[u32; WIDTH], paths: PathMask) {
         let counts = &mut self.narrow[first..];
-        match paths == PathMask::ALL {
-            true => places.iter().for_each(|&place| counts[place as usize] += 1),
-            false => paths.paths().for_each(|p| counts[places[p] as usize] += 1),
+        if paths == PathMask::ALL {
+            places.iter().for_each(|&place| counts[place as usize] += 1);
+        } else {
+            paths.paths().for_each(|p| counts[places[p] as usize] += 1);
         }
     }
 
     /// Adds all counts of `later`. No count exceeds `most` afterwards.
     pub fn merge(&mut self, later: &Self, most: u64) {
-        self.reserve(if later.wide.is_empty() { most } else { u64::MAX });
-        // One of the two is empty.
-        self.narrow.iter_mut().zip(&later.narrow).for_each(|(sum, more)| *sum += more);
-        self.wide.iter_mut().zip(later.iter()).for_each(|(sum, more)| *sum += more);
-    }
-
-    fn reserve(&mut self, most: u64) {
-        if most > u64::from(u16::MAX) && self.wide.is_empty() {
+        let may_exceed = most > u64::from(u16::MAX) || !later.wide.is_empty();
+        if may_exceed && self.wide.is_empty() {
             self.wide = self.iter().collect();
             self.narrow.clear();
         }
+        // One of the two is empty.
+        self.narrow.iter_mut().zip(&later.narrow).for_each(|(sum, more)| *sum += more);
+        self.wide.iter_mut().zip(later.iter()).for_each(|(sum, more)| *sum += more);
     }
 
     fn iter(&self) -> impl Iterator<Item = u64> {
@@ -248,10 +250,10 @@ impl Counts {
     /// The `length` counts from `start` on.
     pub fn range(&self, start: usize, length: usize) -> Vec<u64> {
         let cells = start..start + length;
-        match self.wide.is_empty() {
-            true => self.narrow[cells].iter().map(|&count| u64::from(count)).collect(),
-            false => self.wide[cells].to_vec(),
+        if !self.wide.is_empty() {
+            return self.wide[cells].to_vec();
         }
+        self.narrow[cells].iter().map(|&count| u64::from(count)).collect()
     }
 }
 
