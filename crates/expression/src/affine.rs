@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary, place},
+    graph::{Binary, Graph, Node, Unary},
+    values::Values,
 };
 
 /// c + Σ aₖyₖ. Slopes that are zero are left out.
@@ -89,13 +90,11 @@ fn sum(a: f64, b: f64) -> f64 {
 /// Forms with more inputs are not looked for.
 const MAX_INPUTS: usize = 1000;
 
-/// For each expression of a list that [`Graph::needed`] gave its form in the first `count` inputs,
-/// if it is affine with constant numbers. An expression without these inputs that is not a number
-/// has none.
-pub fn forms(graph: &Graph, needed: &[Id], count: usize) -> Vec<Option<Affine>> {
-    let mut forms: Vec<Option<Affine>> = Vec::with_capacity(needed.len());
-    for &id in needed {
-        let of = |id: Id| forms[place(needed, id)].as_ref();
+/// For each expression that `roots` use its form in the first `count` inputs, if it is affine with
+/// constant numbers. An expression without these inputs that is not a number has none.
+pub fn forms(graph: &Graph, roots: &[Id], count: usize) -> Values<Option<Affine>> {
+    Values::new(graph.needed(roots), |id, forms: &Values<Option<Affine>>| {
+        let of = |id: Id| forms[id].as_ref();
         let number =
             |id: Id| of(id).filter(|form| form.slopes.is_empty()).map(|form| form.constant);
         let form = match graph.node(id) {
@@ -118,7 +117,6 @@ pub fn forms(graph: &Graph, needed: &[Id], count: usize) -> Vec<Option<Affine>> 
             Node::Binary(Binary::Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
             _ => None,
         };
-        forms.push(form.filter(|form| form.slopes.len() <= MAX_INPUTS));
-    }
-    forms
+        form.filter(|form| form.slopes.len() <= MAX_INPUTS)
+    })
 }

@@ -5,6 +5,7 @@ use crate::{
     graph::{Binary, Graph, Node},
     instruction::Operation::{self, *},
     uniform::Number,
+    values::Values,
 };
 
 /// An operation with the expressions that are its operands.
@@ -31,30 +32,27 @@ impl Joined {
 
 /// For every expression that needs an instruction, its step. A product that one sum uses alone
 /// becomes part of that.
-pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
-    let mut uses = vec![0_u32; graph.size()];
-    outputs.iter().for_each(|output| uses[output.index()] += 2);
-    for id in graph.ids() {
-        graph.node(id).operands().for_each(|operand| uses[operand.index()] += 1);
+pub fn joined(graph: &Graph, outputs: &[Id], uniform: &Values<bool>) -> Values<Option<Joined>> {
+    let mut uses = Values::all(graph, 0);
+    let mut wanted = Values::all(graph, false);
+    for &output in outputs {
+        uses[output] += 2;
+        wanted[output] = true;
     }
-    let mut wanted = vec![false; graph.size()];
-    outputs.iter().for_each(|output| wanted[output.index()] = true);
-    let mut steps = vec![None; graph.size()];
+    graph.ids().flat_map(|id| graph.node(id).operands()).for_each(|operand| uses[operand] += 1);
+    let mut steps = Values::all(graph, None);
     let join = Join { graph, uses, uniform };
     for id in graph.ids().rev() {
-        if wanted[id.index()] {
-            let step = join.step(id);
-            step.iter().flat_map(|step| &step.operands).for_each(|x| wanted[x.index()] = true);
-            steps[id.index()] = step;
-        }
+        steps[id] = wanted[id].then(|| join.step(id)).flatten();
+        steps[id].iter().flat_map(|step| &step.operands).for_each(|&x| wanted[x] = true);
     }
     steps
 }
 
 struct Join<'a> {
     graph: &'a Graph,
-    uses: Vec<u32>,
-    uniform: &'a [bool],
+    uses: Values<u32>,
+    uniform: &'a Values<bool>,
 }
 
 /// A term of a sum: the product of up to two rows and a number.
@@ -67,17 +65,15 @@ impl Join<'_> {
     /// The operands of a function that is used here alone.
     fn alone(&self, id: Id, function: Binary) -> Option<(Id, Id)> {
         match self.graph.node(id) {
-            Node::Binary(found, a, b)
-                if found == function && self.uses[id.index()] == 1 && !self.uniform[id.index()] =>
-            {
-                Some((a, b))
+            Node::Binary(found, a, b) if found == function => {
+                (self.uses[id] == 1 && !self.uniform[id]).then_some((a, b))
             }
             _ => None,
         }
     }
 
     fn number(&self, id: Id) -> Option<Number> {
-        self.uniform[id.index()].then_some(Number { id: Some(id), negative: false })
+        self.uniform[id].then_some(Number { id: Some(id), negative: false })
     }
 
     /// The factors, if one of them is a number.

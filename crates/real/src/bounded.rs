@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Degree, Real, operator::operator};
+use crate::{Degree, Real, operator::operators};
 
 /// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
 /// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
@@ -101,34 +101,28 @@ impl Bounded {
     }
 }
 
-operator!([] Bounded: Add::add(a, b: Self)
-    => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree));
-operator!([] Bounded: Sub::sub(a, b: Self) => a + -b);
-operator!([] Bounded: Neg::neg(a) => Self { value: -a.value, ..a });
-operator!([] Bounded: Add::add(a, b: f64) => a + Self::constant(b));
-operator!([] Bounded: Sub::sub(a, b: f64) => a - Self::constant(b));
-operator!([] Bounded: Mul::mul(a, b: f64) => a * Self::constant(b));
-operator!([] Bounded: Div::div(a, b: f64) => a / Self::constant(b));
-
-impl Mul for Bounded {
-    type Output = Self;
-    fn mul(self, b: Self) -> Self {
-        let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
-        let product = Self::rounded(self.value * b.value, error, self.degree * b.degree);
-        if self.is_zero() || b.is_zero() { product } else { product.underflow() }
-    }
-}
-
-impl Div for Bounded {
-    type Output = Self;
-    fn div(self, b: Self) -> Self {
-        let value = self.value / b.value;
+operators! { [] Bounded:
+    Add::add(a, b: Self)
+        => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree);
+    Sub::sub(a, b: Self) => a + -b;
+    Mul::mul(a, b: Self) => {
+        let error = a.value.abs() * b.error + (b.value.abs() + b.error) * a.error;
+        let product = Self::rounded(a.value * b.value, error, a.degree * b.degree);
+        if a.is_zero() || b.is_zero() { product } else { product.underflow() }
+    };
+    Div::div(a, b: Self) => {
+        let value = a.value / b.value;
         // Not by a number that may be zero.
         let least = (b.value.abs() - b.error).max(0.0);
-        let error = (self.error + value.abs() * b.error) / least;
-        let quotient = Self::rounded(value, error, self.degree / b.degree);
-        if self.is_zero() { quotient } else { quotient.underflow() }
-    }
+        let error = (a.error + value.abs() * b.error) / least;
+        let quotient = Self::rounded(value, error, a.degree / b.degree);
+        if a.is_zero() { quotient } else { quotient.underflow() }
+    };
+    Neg::neg(a) => Self { value: -a.value, ..a };
+    Add::add(a, b: f64) => a + Self::constant(b);
+    Sub::sub(a, b: f64) => a - Self::constant(b);
+    Mul::mul(a, b: f64) => a * Self::constant(b);
+    Div::div(a, b: f64) => a / Self::constant(b);
 }
 
 impl Real for Bounded {

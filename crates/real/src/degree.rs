@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{Real, operator::operators};
 
 /// A bound of the degree of a polynomial, found by evaluating its formula: sums take the larger
 /// degree, products add them.
@@ -56,15 +56,17 @@ impl Degree {
     }
 }
 
-operator!([] Degree: Add::add(a, b: Self) => a.larger(b));
-operator!([] Degree: Sub::sub(a, b: Self) => a.larger(b));
-operator!([] Degree: Mul::mul(a, b: Self) => Self(a.0.saturating_add(b.0)));
-operator!([] Degree: Div::div(a, b: Self) => if b.0 == 0 { a } else { Self::NONE });
-operator!([] Degree: Neg::neg(a) => a);
-operator!([] Degree: Add::add(a, _b: f64) => a);
-operator!([] Degree: Sub::sub(a, _b: f64) => a);
-operator!([] Degree: Mul::mul(a, _b: f64) => a);
-operator!([] Degree: Div::div(a, _b: f64) => a);
+operators! { [] Degree:
+    Add::add(a, b: Self) => a.larger(b);
+    Sub::sub(a, b: Self) => a.larger(b);
+    Mul::mul(a, b: Self) => Self(a.0.saturating_add(b.0));
+    Div::div(a, b: Self) => if b.0 == 0 { a } else { Self::NONE };
+    Neg::neg(a) => a;
+    Add::add(a, _b: f64) => a;
+    Sub::sub(a, _b: f64) => a;
+    Mul::mul(a, _b: f64) => a;
+    Div::div(a, _b: f64) => a;
+}
 
 impl Real for Degree {
     const DEPTH: u32 = 0;

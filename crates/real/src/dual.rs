@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{Real, operator::operators};
 
 /// The dual number value + derivative·ε with ε² = 0, for forward differentiation. A nested
 /// `Dual<Dual<f64>>` gives second derivatives.
@@ -118,29 +118,25 @@ impl<R: Real, V: Variation> DualNumber<R, V> {
     }
 }
 
-operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: Self)
-    => a.and(b, a.value + b.value, a.slope + b.slope, a.slope, b.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: Self)
-    => a.and(b, a.value - b.value, a.slope - b.slope, a.slope, -b.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: Self) => {
-    let (mine, other) = (a.slope * b.value, a.value * b.slope);
-    a.and(b, a.value * b.value, mine + other, mine, other)
-});
-operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: Self) => {
-    let quotient = a.value / b.value;
-    let other = quotient * b.slope;
-    let numerator = a.and(b, quotient, a.slope - other, a.slope, -other);
-    Self { slope: numerator.slope / b.value, ..numerator }
-});
-operator!([R: Real, V: Variation] DualNumber<R, V>: Neg::neg(a) => a.with(-a.value, -a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: f64)
-    => a.with(a.value + b, a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: f64)
-    => a.with(a.value - b, a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: f64)
-    => a.with(a.value * b, a.slope * b));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: f64)
-    => a.with(a.value / b, a.slope / b));
+operators! { [R: Real, V: Variation] DualNumber<R, V>:
+    Add::add(a, b: Self) => a.and(b, a.value + b.value, a.slope + b.slope, a.slope, b.slope);
+    Sub::sub(a, b: Self) => a.and(b, a.value - b.value, a.slope - b.slope, a.slope, -b.slope);
+    Mul::mul(a, b: Self) => {
+        let (mine, other) = (a.slope * b.value, a.value * b.slope);
+        a.and(b, a.value * b.value, mine + other, mine, other)
+    };
+    Div::div(a, b: Self) => {
+        let quotient = a.value / b.value;
+        let other = quotient * b.slope;
+        let numerator = a.and(b, quotient, a.slope - other, a.slope, -other);
+        Self { slope: numerator.slope / b.value, ..numerator }
+    };
+    Neg::neg(a) => a.with(-a.value, -a.slope);
+    Add::add(a, b: f64) => a.with(a.value + b, a.slope);
+    Sub::sub(a, b: f64) => a.with(a.value - b, a.slope);
+    Mul::mul(a, b: f64) => a.with(a.value * b, a.slope * b);
+    Div::div(a, b: f64) => a.with(a.value / b, a.slope / b);
+}
 
 impl<R: Real, V: Variation> Real for DualNumber<R, V> {
     const DEPTH: u32 = R::DEPTH + V::DEPTH;

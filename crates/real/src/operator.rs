@@ -1,9 +1,11 @@
 //! The operators of number types.
 
-/// Implements one operator, always inlined.
-macro_rules! operator {
+/// Implements operators, always inlined.
+macro_rules! operators {
+    ([$($generics:tt)*] $number:ty:) => {};
     ([$($generics:tt)*] $number:ty:
-        $operator:ident::$method:ident($a:ident $(, $b:ident: $other:ty)?) => $value:expr) => {
+        $operator:ident::$method:ident($a:ident $(, $b:ident: $other:ty)?) => $value:expr;
+        $($more:tt)*) => {
         impl<$($generics)*> $operator$(<$other>)? for $number {
             type Output = Self;
             #[inline(always)]
@@ -12,6 +14,7 @@ macro_rules! operator {
                 $value
             }
         }
+        operators!([$($generics)*] $number: $($more)*);
     };
 }
-pub(crate) use operator;
+pub(crate) use operators;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{Real, operator::operators};
 
 /// A function of y on the segment y = (a+b)/2 + s(b − a)/2, |s| ≤ 1, with its mean over it where
 /// that has a closed form: polynomials of degree two, and sines and cosines of affine functions.
@@ -82,39 +82,35 @@ impl<R: Real> Segment<R> {
     fn larger(self, b: Self) -> Form {
         if self.form > b.form { self.form } else { b.form }
     }
-
-    #[inline(always)]
-    fn sum(self, b: Self) -> Self {
-        let [middle, half] = [self.middle + b.middle, self.half + b.half];
-        Self { middle, half, mean: self.mean + b.mean, form: self.larger(b) }
-    }
-
-    #[inline(always)]
-    fn product(self, b: Self) -> Self {
-        if self.form == Form::Constant {
-            b.times(self.middle)
-        } else if b.form == Form::Constant {
-            self.times(b.middle)
-        } else {
-            let middle = self.middle * b.middle;
-            let mean = middle + self.half * b.half * (1.0 / 3.0);
-            let form = if self.larger(b) == Form::Affine { Form::Known } else { Form::Other };
-            Self { middle, half: R::zero(), mean, form }
-        }
-    }
 }
 
-operator!([R: Real] Segment<R>: Add::add(a, b: Self) => a.sum(b));
-operator!([R: Real] Segment<R>: Sub::sub(a, b: Self) => a.sum(-b));
-operator!([R: Real] Segment<R>: Mul::mul(a, b: Self) => a.product(b));
-operator!([R: Real] Segment<R>: Div::div(a, b: Self) => {
-    if b.form == Form::Constant { a.times(b.middle.recip()) } else { b.other(a.middle / b.middle) }
-});
-operator!([R: Real] Segment<R>: Neg::neg(a) => a.times(-R::one()));
-operator!([R: Real] Segment<R>: Add::add(a, b: f64) => a.sum(Self::constant(b)));
-operator!([R: Real] Segment<R>: Sub::sub(a, b: f64) => a.sum(Self::constant(-b)));
-operator!([R: Real] Segment<R>: Mul::mul(a, b: f64) => a.times(R::constant(b)));
-operator!([R: Real] Segment<R>: Div::div(a, b: f64) => a.times(R::constant(1.0 / b)));
+operators! { [R: Real] Segment<R>:
+    Add::add(a, b: Self) => {
+        let [middle, half] = [a.middle + b.middle, a.half + b.half];
+        Self { middle, half, mean: a.mean + b.mean, form: a.larger(b) }
+    };
+    Sub::sub(a, b: Self) => a + -b;
+    Mul::mul(a, b: Self) => if a.form == Form::Constant {
+        b.times(a.middle)
+    } else if b.form == Form::Constant {
+        a.times(b.middle)
+    } else {
+        let middle = a.middle * b.middle;
+        let mean = middle + a.half * b.half * (1.0 / 3.0);
+        let form = if a.larger(b) == Form::Affine { Form::Known } else { Form::Other };
+        Self { middle, half: R::zero(), mean, form }
+    };
+    Div::div(a, b: Self) => if b.form == Form::Constant {
+        a.times(b.middle.recip())
+    } else {
+        b.other(a.middle / b.middle)
+    };
+    Neg::neg(a) => a.times(-R::one());
+    Add::add(a, b: f64) => a + Self::constant(b);
+    Sub::sub(a, b: f64) => a + Self::constant(-b);
+    Mul::mul(a, b: f64) => a.times(R::constant(b));
+    Div::div(a, b: f64) => a.times(R::constant(1.0 / b));
+}
 
 impl<R: Real> Real for Segment<R> {
     const DEPTH: u32 = R::DEPTH;

@@ -11,7 +11,7 @@ use super::{
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
 
-use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, place, terms};
+use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, terms};
 
 use crate::{
     Formula,
@@ -269,10 +269,7 @@ impl Expressions {
 
     /// The number of the component that an expression is.
     pub fn component(&self, id: Id) -> Option<usize> {
-        match self.graph.node(id) {
-            Node::Input(k) => Some(k as usize).filter(|&k| k < self.dimension),
-            _ => None,
-        }
+        self.graph.as_input(id).filter(|&k| k < self.dimension)
     }
 
     /// The components that expressions use.
@@ -701,11 +698,10 @@ impl Expressions {
     /// The columns of B, if it is affine: that of k is the field of yₖ.
     pub fn columns(&self) -> Option<Vec<Field>> {
         let above: Vec<Id> = self.structure.iter().flatten().map(|entry| entry.above).collect();
-        let needed = self.graph.needed(&above);
-        let forms = forms(&self.graph, &needed, self.dimension);
+        let forms = forms(&self.graph, &above, self.dimension);
         let column = |(k, entries): (usize, &Vec<Entry>)| {
             let entry = |entry: &Entry| {
-                let form = forms[place(&needed, entry.above)].as_ref()?;
+                let form = forms[entry.above].as_ref()?;
                 // The entry in row i and column k, above the diagonal for i < k.
                 Some((entry.column, form.times(if entry.column < k { 1.0 } else { -1.0 })))
             };

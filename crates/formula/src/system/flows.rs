@@ -13,7 +13,7 @@ use std::{
 };
 
 use super::{expressions::Expressions, sparse::Field};
-use expression::{Affine, Binary, Graph, Id, Node, Unary, Weighted, forms, place, terms};
+use expression::{Affine, Binary, Graph, Id, Node, Unary, Weighted, forms, terms};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
 #[derive(Clone)]
@@ -212,11 +212,10 @@ fn quadratic(
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
     let gradient = system.slopes(&weighted);
     let slopes: Vec<Id> = gradient.values().copied().collect();
-    let needed = system.graph.needed(&slopes);
-    let forms = forms(&system.graph, &needed, system.dimension);
+    let forms = forms(&system.graph, &slopes, system.dimension);
     let mut field = Field::new();
     for (k, slope) in gradient {
-        let slope = forms[place(&needed, slope)].as_ref()?;
+        let slope = forms[slope].as_ref()?;
         for (&i, entry) in &columns[k] {
             field.entry(i).or_default().add(entry.constant, slope);
         }
@@ -262,14 +261,13 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
 
 /// The maximal subexpressions of a function that are linear in y, with their directions.
 fn linear_functions(graph: &Graph, root: Id, dimension: usize) -> Vec<(Id, Affine)> {
-    let needed = graph.needed(from_ref(&root));
-    let forms = forms(graph, &needed, dimension);
+    let forms = forms(graph, &[root], dimension);
     let (mut open, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
             continue;
         }
-        match &forms[place(&needed, id)] {
+        match &forms[id] {
             Some(form) if form.slopes.is_empty() => {}
             Some(form) => {
                 found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
