@@ -63,7 +63,8 @@ pub fn add(graph: &mut Graph, sum: &mut Id, part: Id, weight: f64) {
     *sum = graph.add(*sum, weighted);
 }
 
-fn add_all(graph: &mut Graph, sums: &mut [Id], parts: &[Id], weight: f64) {
+/// Adds weight·part, component by component.
+pub fn add_all(graph: &mut Graph, sums: &mut [Id], parts: &[Id], weight: f64) {
     sums.iter_mut().zip(parts).for_each(|(sum, &part)| add(graph, sum, part, weight));
 }
 
