@@ -246,6 +246,11 @@ impl Graph {
         self.intern(Node::Input(k as u32))
     }
 
+    /// The inputs of these numbers.
+    pub fn inputs(&mut self, numbers: Range<usize>) -> Vec<Id> {
+        numbers.map(|k| self.input(k)).collect()
+    }
+
     /// The number of the input that an expression is.
     pub fn as_input(&self, id: Id) -> Option<usize> {
         match self.node(id) {

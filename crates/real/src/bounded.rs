@@ -99,25 +99,30 @@ impl Bounded {
     fn is_zero(self) -> bool {
         self.value == 0.0 && self.error == 0.0
     }
+
+    // Too long to be part of every formula.
+    fn product(self, b: Self) -> Self {
+        let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
+        let product = Self::rounded(self.value * b.value, error, self.degree * b.degree);
+        if self.is_zero() || b.is_zero() { product } else { product.underflow() }
+    }
+
+    fn quotient(self, b: Self) -> Self {
+        let value = self.value / b.value;
+        // Not by a number that may be zero.
+        let least = (b.value.abs() - b.error).max(0.0);
+        let error = (self.error + value.abs() * b.error) / least;
+        let quotient = Self::rounded(value, error, self.degree / b.degree);
+        if self.is_zero() { quotient } else { quotient.underflow() }
+    }
 }
 
 operators! { [] Bounded:
     Add::add(a, b: Self)
         => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree);
     Sub::sub(a, b: Self) => a + -b;
-    Mul::mul(a, b: Self) => {
-        let error = a.value.abs() * b.error + (b.value.abs() + b.error) * a.error;
-        let product = Self::rounded(a.value * b.value, error, a.degree * b.degree);
-        if a.is_zero() || b.is_zero() { product } else { product.underflow() }
-    };
-    Div::div(a, b: Self) => {
-        let value = a.value / b.value;
-        // Not by a number that may be zero.
-        let least = (b.value.abs() - b.error).max(0.0);
-        let error = (a.error + value.abs() * b.error) / least;
-        let quotient = Self::rounded(value, error, a.degree / b.degree);
-        if a.is_zero() { quotient } else { quotient.underflow() }
-    };
+    Mul::mul(a, b: Self) => a.product(b);
+    Div::div(a, b: Self) => a.quotient(b);
     Neg::neg(a) => Self { value: -a.value, ..a };
     Add::add(a, b: f64) => a + Self::constant(b);
     Sub::sub(a, b: f64) => a - Self::constant(b);

@@ -207,7 +207,7 @@ impl Expressions {
     }
 
     fn inputs(&mut self, group: usize) -> Vec<Id> {
-        self.group(group).map(|k| self.graph.input(k)).collect()
+        self.graph.inputs(self.group(group))
     }
 
     /// The weights of the Hamiltonians, dt and dw.
@@ -718,9 +718,8 @@ impl Expressions {
         connected(&self.structure.iter().map(of).collect::<Vec<_>>())
     }
 
-    /// The diagonal blocks of I − ½A(v) with their tapes: each has its components, and gives the
-    /// entries row by row.
-    pub fn cayley_blocks(&mut self) -> Vec<(Vec<usize>, Tape)> {
+    /// The diagonal blocks of I − ½A(v): the number of rows, and the tape of entries row by row.
+    pub fn cayley_blocks(&mut self) -> Vec<(usize, Tape)> {
         let Some(matrix) = self.cayley_matrix() else { return Vec::new() };
         let zero = self.graph.constant(0.0);
         let joined: Vec<Vec<usize>> =
@@ -731,8 +730,7 @@ impl Expressions {
                 components.iter().map(move |k| row.get(k).copied().unwrap_or(zero))
             };
             let entries: Vec<Id> = components.iter().flat_map(row).collect();
-            let tape = self.tape(&entries, [V]);
-            (components, tape)
+            (components.len(), self.tape(&entries, [V]))
         };
         connected(&joined).into_iter().map(block).collect()
     }

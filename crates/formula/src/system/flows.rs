@@ -66,31 +66,28 @@ struct Linear {
 #[derive(Clone, Default)]
 struct Involution {
     all: Vec<Linear>,
-    /// Numbers of the functions whose first slope is of a component.
-    first: HashMap<usize, Vec<usize>>,
-    /// Numbers of the functions whose field moves a component.
-    moving: HashMap<usize, Vec<usize>>,
+    /// Numbers of the functions whose first slope is of a component, or whose field moves it.
+    near: HashMap<usize, Vec<usize>>,
 }
 
 impl Involution {
     /// The function that this is a multiple of, and the factor.
     fn multiple(&self, slopes: &Affine) -> Option<(usize, f64)> {
-        let known = self.first.get(slopes.slopes.keys().next()?)?;
+        let known = self.near.get(slopes.slopes.keys().next()?)?;
         known.iter().find_map(|&n| Some((n, slopes.over(&self.all[n].slopes)?)))
     }
 
     /// Whether all brackets with a function are zero.
     fn commutes(&self, one: &Linear) -> bool {
-        let near = one.slopes.slopes.keys().filter_map(|k| self.moving.get(k)).flatten();
-        near.copied().collect::<BTreeSet<_>>().into_iter().all(|n| self.all[n].commutes(one))
+        let near = one.slopes.slopes.keys().filter_map(|k| self.near.get(k)).flatten();
+        BTreeSet::from_iter(near).into_iter().all(|&n| self.all[n].commutes(one))
     }
 
     fn push(&mut self, one: Linear) {
-        let n = self.all.len();
-        if let Some(&k) = one.slopes.slopes.keys().next() {
-            self.first.entry(k).or_default().push(n);
+        let components = one.slopes.slopes.keys().take(1).chain(one.field.keys());
+        for &k in components {
+            self.near.entry(k).or_default().push(self.all.len());
         }
-        one.field.keys().for_each(|&k| self.moving.entry(k).or_default().push(n));
         self.all.push(one);
     }
 }
@@ -113,18 +110,20 @@ impl Part {
 
     /// Name of the form in words.
     pub fn kind(&self) -> &'static str {
-        let is = |cube: fn(f64) -> bool, all: &[Linear]| {
-            all.iter().flat_map(|one| &one.motions).any(|motion| cube(motion.cube))
-        };
         match &self.kind {
             Kind::Pairs { .. } => "turn of pairs",
             Kind::Kick { grown, .. } if grown.is_empty() => "kick",
             Kind::Kick { .. } => "growth",
             Kind::Rest => "energy-preserving step",
             Kind::Quadratic { .. } => "exact flow",
-            Kind::Linear(known) if is(|cube| cube < 0.0, &known.all) => "turn",
-            Kind::Linear(known) if is(|cube| cube > 0.0, &known.all) => "boost",
-            Kind::Linear(_) => "kick",
+            Kind::Linear(known) => {
+                let mut motions = known.all.iter().flat_map(|one| &one.motions);
+                match motions.clone().any(|motion| motion.cube < 0.0) {
+                    true => "turn",
+                    false if motions.any(|motion| motion.cube > 0.0) => "boost",
+                    false => "kick",
+                }
+            }
         }
     }
 }
@@ -138,17 +137,13 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
             None => found.push((group, kind)),
         }
     }
-    let mut parts = Vec::new();
-    for (terms, kind) in found {
-        let flow = kind.flow(system, &terms);
-        let length = match kind {
-            Kind::Rest => usize::MAX,
-            _ => system.graph.needed(&flow).len(),
-        };
-        parts.push((length, Part { terms, kind, flow }));
-    }
-    parts.sort_by_key(|(length, _)| *length);
-    parts.into_iter().map(|(_, part)| part).collect()
+    let part = |(terms, kind): Single| Part { flow: kind.flow(system, &terms), terms, kind };
+    let mut parts: Vec<Part> = found.into_iter().map(part).collect();
+    parts.sort_by_cached_key(|part| match part.kind {
+        Kind::Rest => usize::MAX,
+        _ => system.graph.needed(&part.flow).len(),
+    });
+    parts
 }
 
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
@@ -205,9 +200,9 @@ fn quadratic(
     if !degrees.contains(&Some(2)) {
         return None;
     }
-    let mut quadratic = degrees.iter().map(|degree| matches!(degree, Some(..=2)));
-    let few: Vec<Term> =
-        all.iter().zip(quadratic.clone()).filter(|(_, is)| *is).map(|x| x.0.clone()).collect();
+    let mut degrees = degrees.into_iter();
+    let (few, rest): (Vec<Term>, Vec<Term>) =
+        all.iter().cloned().partition(|_| matches!(degrees.next(), Some(Some(..=2))));
     let weighted: Vec<Weighted> =
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
     let gradient = system.slopes(&weighted);
@@ -220,13 +215,12 @@ fn quadratic(
             field.entry(i).or_default().add(entry.constant, slope);
         }
     }
-    field.retain(|_, form| !form.is_zero());
-    let field = Linear { slopes: Affine::default(), motions: motions(&field)?, field };
+    let field = Linear::with_field(Affine::default(), field)?;
     let cubes = || field.motions.iter().map(|motion| motion.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
         return None;
     }
-    all.retain(|_| quadratic.next() != Some(true));
+    *all = rest;
     Some((few, Kind::Quadratic { field, shares: vec![(m, 1.0)] }))
 }
 
@@ -240,7 +234,7 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
             let factor = factor * graph.as_constant(weight).unwrap_or(1.0);
             match graph.node(root) {
                 Node::Binary(Binary::Div, a, c) if graph.as_constant(c).is_some() => {
-                    open.push((a, factor / graph.as_constant(c).unwrap_or(1.0)));
+                    open.extend(graph.as_constant(c).map(|c| (a, factor / c)));
                 }
                 Node::Binary(Binary::Mul, a, b)
                     if graph.scaled(a).or(graph.scaled(b)).is_some() =>
@@ -269,9 +263,7 @@ fn linear_functions(graph: &Graph, root: Id, dimension: usize) -> Vec<(Id, Affin
         }
         match &forms[id] {
             Some(form) if form.slopes.is_empty() => {}
-            Some(form) => {
-                found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
-            }
+            Some(form) => found.push((id, Affine { constant: 0.0, ..form.clone() })),
             None => open.extend(graph.node(id).operands()),
         }
     }
@@ -301,6 +293,10 @@ impl Linear {
                 field.entry(i).or_default().add(slope, form);
             }
         }
+        Self::with_field(slopes, field)
+    }
+
+    fn with_field(slopes: Affine, mut field: Field) -> Option<Self> {
         field.retain(|_, form| !form.is_zero());
         Some(Self { slopes, motions: motions(&field)?, field })
     }
@@ -316,13 +312,7 @@ impl Linear {
 
     /// Whether {ℓ, ℓ′} = 0.
     fn commutes(&self, other: &Self) -> bool {
-        let mut bracket = Affine::default();
-        for (k, &slope) in &other.slopes.slopes {
-            if let Some(form) = self.field.get(k) {
-                bracket.add(slope, form);
-            }
-        }
-        bracket.is_zero()
+        along(&other.slopes, &self.field).is_zero()
     }
 
     /// Advances y by the flow of the field for a time.
@@ -345,27 +335,26 @@ impl Linear {
 
 /// The motion of each component, if it has a closed form.
 fn motions(field: &Field) -> Option<Vec<Motion>> {
-    // The derivative of a form along the field.
-    let along = |form: &Affine| {
-        let mut sum = Affine::default();
-        for (k, &slope) in &form.slopes {
-            if let Some(field) = field.get(k) {
-                sum.add(slope, field);
-            }
-        }
-        sum
-    };
-    let mut motions = Vec::new();
+    let mut motions: Vec<Motion> = Vec::new();
     for (&component, first) in field {
-        let second = along(first);
-        let third = along(&second);
+        let second = along(first, field);
+        let third = along(&second, field);
         // That of the component before saves a sine and a cosine.
-        let known = motions.last().map(|known: &Motion| known.cube);
+        let known = motions.last().map(|known| known.cube);
         let known = known.filter(|&cube| third.is_multiple(cube, first));
         let cube = if third.is_zero() { 0.0 } else { known.or(third.over(first))? };
         motions.push(Motion { component, cube, second });
     }
     Some(motions)
+}
+
+/// The derivative of a form along a field.
+fn along(form: &Affine, field: &Field) -> Affine {
+    let mut sum = Affine::default();
+    for (k, &slope) in &form.slopes {
+        field.get(k).into_iter().for_each(|field| sum.add(slope, field));
+    }
+    sum
 }
 
 /// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k
@@ -429,12 +418,11 @@ fn pairs(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Ter
         };
         if let Some((terms, vectors)) = pair() {
             taken.extend(terms);
-            let taken = vectors.iter().flatten().copied().collect();
-            found.push((terms, Kind::Pairs { pairs: vec![vectors], taken }));
+            let components = vectors.iter().flatten().copied().collect();
+            let kind = Kind::Pairs { pairs: vec![vectors], taken: components };
+            found.push((terms.map(|n| all[n].clone()).to_vec(), kind));
         }
     }
-    let of = |(terms, kind): ([usize; 3], Kind)| (terms.map(|n| all[n].clone()).to_vec(), kind);
-    let found = found.into_iter().map(of).collect();
     let mut n = 0..;
     all.retain(|_| !n.next().is_some_and(|n| taken.contains(&n)));
     found
@@ -471,10 +459,10 @@ impl Kind {
         match (self, other) {
             (Self::Linear(known), Self::Linear(new)) => {
                 let is_new = |one: &&Linear| known.multiple(&one.slopes).is_none();
-                let new: Vec<Linear> = new.all.iter().filter(is_new).cloned().collect();
+                let new: Vec<&Linear> = new.all.iter().filter(is_new).collect();
                 let commute = new.iter().all(|one| known.commutes(one));
                 if commute {
-                    new.into_iter().for_each(|one| known.push(one));
+                    new.into_iter().for_each(|one| known.push(one.clone()));
                 }
                 commute
             }
@@ -526,15 +514,14 @@ impl Kind {
             }
             Self::Rest => {}
             Self::Pairs { pairs, .. } => {
-                let mut of: HashMap<[usize; 2], Vec<Term>> = HashMap::new();
+                let mut of: HashMap<_, Vec<Term>> = HashMap::new();
                 for term in terms {
-                    let product = product(system, term).unwrap_or_default();
-                    of.entry(product).or_default().push(term.clone());
+                    of.entry(product(system, term)).or_default().push(term.clone());
                 }
                 for vectors in pairs {
                     let mut first = vectors.map(|vector| vector[0]);
                     first.sort_unstable();
-                    let time = system.weight(&of[&first]);
+                    let time = system.weight(&of[&Some(first)]);
                     turn_pair(&mut system.graph, time, vectors, &mut y);
                 }
             }
@@ -584,7 +571,7 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
         let [before, after] = [known, moved].map(|vector| graph.dot(&vector, &vector));
         let (lost, least) = (graph.sub(before, after), graph.constant(f64::MIN_POSITIVE));
         let before = graph.binary(Binary::Max, before, least);
-        let share = graph.binary(Binary::Div, lost, before);
+        let share = graph.div(lost, before);
         let share = graph.scale(share, 0.5);
         for k in 0..3 {
             let change = graph.mul(moved[k], share);

@@ -34,23 +34,19 @@ pub enum Key {
 
 impl Programs {
     /// The tape of a formula; none if it would be too long.
-    pub fn program(&self, system: &Expressions, key: Key) -> Option<FormulaProgram> {
+    pub fn program(&self, system: &Expressions, key: Key) -> Option<Box<dyn Program>> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let compiled = match known.iter().find(|(known, _)| *known == key) {
-            Some((_, compiled)) => compiled.clone(),
-            None => {
-                let compiled = match &key {
-                    Key::Formula(nodes, inputs, results) => {
-                        SchemeTape::formula(system, nodes, *inputs, results)
-                    }
-                    Key::Composition(moves) => Some(SchemeTape::composition(system, moves)),
-                };
-                let compiled = compiled.map(Arc::new);
-                known.push((key, compiled.clone()));
-                compiled
-            }
-        }?;
-        Some(FormulaProgram::new(compiled))
+        let place = known.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
+            let compiled = match &key {
+                Key::Formula(nodes, inputs, results) => {
+                    SchemeTape::formula(system, nodes, *inputs, results)
+                }
+                Key::Composition(moves) => Some(SchemeTape::composition(system, moves)),
+            };
+            known.push((key, compiled.map(Arc::new)));
+            known.len() - 1
+        });
+        known[place].1.clone().map(|compiled| Box::new(FormulaProgram::new(compiled)) as _)
     }
 }
 
@@ -97,12 +93,10 @@ impl SchemeTape {
         let reads_space_time = moves.iter().any(reads);
         // y, dt, factors, t, dw and space-time areas.
         let (time, noise) = (d + 1 + count, d + 2 + count);
-        let weights: Vec<Id> =
-            [d].into_iter().chain(noise..noise + m).map(|k| graph.input(k)).collect();
-        let areas: Vec<Id> = (noise + m..noise + 2 * m).map(|k| graph.input(k)).collect();
-        let factors: Vec<Id> = (0..count).map(|k| graph.input(d + 1 + k)).collect();
-        let t = graph.input(time);
-        let mut y: Vec<Id> = (0..d).map(|k| graph.input(k)).collect();
+        let (dt, t) = (graph.input(d), graph.input(time));
+        let [mut y, factors, dw, areas] =
+            [0..d, d + 1..time, noise..noise + m, noise + m..noise + 2 * m]
+                .map(|numbers| graph.inputs(numbers));
         for one in moves {
             match *one {
                 Move::Scale(k) => y.iter_mut().for_each(|y| *y = graph.mul(*y, factors[k])),
@@ -110,15 +104,15 @@ impl SchemeTape {
                     y[component] = graph.mul(y[component], factors[factor]);
                 }
                 Move::Flow { part, drift, noise, area, only } => {
-                    let moves = |m: usize| only.is_none_or(|only| m == only);
-                    let mut shares = vec![graph.scale(weights[0], drift)];
+                    let mut weights = vec![graph.scale(dt, drift)];
                     for k in 0..m {
-                        let share = if moves(k) { [noise, area] } else { [0.0; 2] };
-                        let increment = graph.scale(weights[k + 1], share[0]);
-                        let area = graph.scale(areas[k], share[1]);
-                        shares.push(graph.add(increment, area));
+                        let moves = only.is_none_or(|only| k == only);
+                        let [noise, area] = if moves { [noise, area] } else { [0.0; 2] };
+                        let increment = graph.scale(dw[k], noise);
+                        let area = graph.scale(areas[k], area);
+                        weights.push(graph.add(increment, area));
                     }
-                    y = system.flow(part, &mut graph, &y, &shares, t);
+                    y = system.flow(part, &mut graph, &y, &weights, t);
                 }
             }
         }
@@ -148,8 +142,7 @@ impl SchemeTape {
         let dt = graph.input(numbers);
         let areas = noise + system.noises;
         let end = areas + number_of_areas(system.noises);
-        let more = (noise..end).chain([t]).map(|k| graph.input(k));
-        let weights = once(dt).chain(more).collect();
+        let weights = [vec![dt], graph.inputs(noise..end), vec![graph.input(t)]].concat();
         let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * system.dimension);
         let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
@@ -162,17 +155,17 @@ impl SchemeTape {
                 return None;
             }
         }
+        if inputs > MAX_INPUTS {
+            return None;
+        }
         let states = (0..inputs).map(|k| k * system.dimension..(k + 1) * system.dimension);
         let reads = |of: fn(&Op<usize>) -> bool| {
             nodes.iter().any(|node| matches!(node, Recorded::Of(op) if of(op)))
         };
         let (reads_noise, reads_areas) = (reads(Op::reads_weights), reads(Op::reads_areas));
-        let noises = reads_noise.then_some(noise..areas);
-        let groups: Vec<_> =
-            states.chain(noises).chain(reads_areas.then_some(areas..end)).collect();
-        if inputs > MAX_INPUTS {
-            return None;
-        }
+        let (noises, areas) =
+            (reads_noise.then_some(noise..areas), reads_areas.then_some(areas..end));
+        let groups: Vec<_> = states.chain(noises).chain(areas).collect();
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let uniform = numbers..t + usize::from(reads_time);
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, uniform);
@@ -244,8 +237,8 @@ impl SchemeBuilder<'_> {
         let of = |n: usize| self.states[n].clone();
         Some(match node {
             Recorded::Input(k) => {
-                let first = k * self.system.dimension;
-                (first..first + self.system.dimension).map(|k| self.graph.input(k)).collect()
+                let d = self.system.dimension;
+                self.graph.inputs(k * d..(k + 1) * d)
             }
             Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
             Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
@@ -253,10 +246,7 @@ impl SchemeBuilder<'_> {
                 let (state, factor) = (of(a), factor?);
                 state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            Recorded::Of(op) => {
-                let op = op.map(|n| self.states[n].clone());
-                self.apply(op)?
-            }
+            Recorded::Of(op) => self.apply(op.map(of))?,
         })
     }
 
@@ -280,13 +270,12 @@ impl SchemeBuilder<'_> {
             }
             op => {
                 let (groups, roots) = self.system.of(&op)?;
-                let mut states = [&[][..]; 3];
                 let arguments: Vec<Vec<Id>> = op.arguments().collect();
                 // What is not read may be anything.
-                states.fill(&arguments[0]);
+                let mut states = [&arguments[0]; 3];
                 groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
                 let [y, u, v] = states;
-                let inputs = [y, u, v, &self.weights].concat();
+                let inputs = [y, u, v, &self.weights[..]].concat();
                 Some(self.graph.copy(Some(&self.system.graph), roots, |k| Some(inputs[k])))
             }
         }
