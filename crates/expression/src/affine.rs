@@ -4,7 +4,11 @@ use std::collections::BTreeMap;
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{
+        Binary::{Add, Div, Mul, Sub},
+        Graph, Node,
+        Unary::Neg,
+    },
     values::Values,
 };
 
@@ -74,8 +78,7 @@ impl Affine {
     pub fn expression(&self, graph: &mut Graph, of: &[Id]) -> Id {
         let mut sum = graph.constant(self.constant);
         for (&k, &slope) in &self.slopes {
-            let term = graph.scale(of[k], slope);
-            sum = graph.add(sum, term);
+            graph.add_to(&mut sum, of[k], slope);
         }
         sum
     }
@@ -102,19 +105,17 @@ pub fn forms(graph: &Graph, roots: &[Id], count: usize) -> Values<Option<Affine>
                 Some(Affine { constant: f64::from_bits(bits), ..Affine::default() })
             }
             Node::Input(k) if (k as usize) < count => Some(Affine::input(k as usize)),
-            Node::Unary(Unary::Neg, a) => of(a).map(|a| a.times(-1.0)),
-            Node::Binary(sign @ (Binary::Add | Binary::Sub), a, b) => {
-                of(a).zip(of(b)).map(|(a, b)| {
-                    let mut sum = a.clone();
-                    sum.add(if sign == Binary::Add { 1.0 } else { -1.0 }, b);
-                    sum
-                })
-            }
-            Node::Binary(Binary::Mul, a, b) => {
+            Node::Unary(Neg, a) => of(a).map(|a| a.times(-1.0)),
+            Node::Binary(sign @ (Add | Sub), a, b) => of(a).zip(of(b)).map(|(a, b)| {
+                let mut sum = a.clone();
+                sum.add(if sign == Add { 1.0 } else { -1.0 }, b);
+                sum
+            }),
+            Node::Binary(Mul, a, b) => {
                 let scaled = |a, b| Some(of(a)?.times(number(b)?));
                 scaled(a, b).or_else(|| scaled(b, a))
             }
-            Node::Binary(Binary::Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
+            Node::Binary(Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
             _ => None,
         };
         form.filter(|form| form.slopes.len() <= MAX_INPUTS)

@@ -83,8 +83,7 @@ impl Graph {
 
     /// weight·∂f/∂a for operand number k of f.
     fn part(&mut self, f: Id, k: usize, weight: Id) -> Option<Id> {
-        let is_first = k == 0;
-        let [first, second, third, fourth] = [0, 1, 2, 3].map(|n| (n == k).then_some(weight));
+        let (is_first, if_at) = (k == 0, |n| (n == k).then_some(weight));
         Some(match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
             Node::Unary(Neg, _) => self.neg(weight),
@@ -118,14 +117,14 @@ impl Graph {
                 let part = self.mul(part, f);
                 self.neg(part)
             }
-            Node::Binary(Min, a, b) => self.chosen(a, b, first, second)?,
-            Node::Binary(Max, a, b) => self.chosen(b, a, first, second)?,
+            Node::Binary(Min, a, b) => self.chosen(a, b, if_at(0), if_at(1))?,
+            Node::Binary(Max, a, b) => self.chosen(b, a, if_at(0), if_at(1))?,
             Node::Power(a, n) => {
                 let power = self.power_of_size(a, n - 1);
                 let weight = self.scale(weight, f64::from(n));
                 self.mul(weight, power)
             }
-            Node::Where([x, y, ..]) => self.chosen(x, y, third, fourth)?,
+            Node::Where([x, y, ..]) => self.chosen(x, y, if_at(2), if_at(3))?,
         })
     }
 
@@ -160,8 +159,7 @@ impl Graph {
             let n = f64::from(n);
             let ratio = (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
             let scaled = self.scale(square, ratio);
-            let product = self.mul(scaled, series);
-            series = self.sub(one, product);
+            series = self.sub_product(one, scaled, series);
         }
         let product = self.mul(x, series);
         let near = self.scale(product, -1.0 / 3.0);
@@ -195,9 +193,8 @@ impl Graph {
                 self.part(f, 0, rate)?
             }
             Node::Binary(Add | Sub | Mul, a, b) => {
-                let parts = [of(a), of(b)];
-                let mut part = |k: usize| parts[k].and_then(|rate| self.part(f, k, rate));
-                match (part(0), part(1)) {
+                let mut part = |k, operand| self.part(f, k, of(operand)?);
+                match (part(0, a), part(1, b)) {
                     (Some(left), Some(right)) => self.add(left, right),
                     (left, right) => left.or(right)?,
                 }

@@ -357,7 +357,12 @@ impl Graph {
                 self.neg(unsigned)
             }
             (Min | Max, ..) if a == b => a,
-            (Add | Mul, ..) => self.commutative(function, a, b),
+            (Add | Mul, ..) => {
+                // A constant is the second, others are in the order in which they were made.
+                let mut operands = [a, b];
+                operands.sort_by_key(|&id| (self.as_constant(id).is_some(), id));
+                self.intern(Node::Binary(function, operands[0], operands[1]))
+            }
             _ => self.intern(Node::Binary(function, a, b)),
         }
     }
@@ -380,6 +385,24 @@ impl Graph {
     /// a/b.
     pub fn div(&mut self, a: Id, b: Id) -> Id {
         self.binary(Div, a, b)
+    }
+
+    /// sum + a·b.
+    pub fn add_product(&mut self, sum: Id, a: Id, b: Id) -> Id {
+        let product = self.mul(a, b);
+        self.add(sum, product)
+    }
+
+    /// sum − a·b.
+    pub fn sub_product(&mut self, sum: Id, a: Id, b: Id) -> Id {
+        let product = self.mul(a, b);
+        self.sub(sum, product)
+    }
+
+    /// Adds weight·a to a sum.
+    pub fn add_to(&mut self, sum: &mut Id, a: Id, weight: f64) {
+        let weighted = self.scale(a, weight);
+        *sum = self.add(*sum, weighted);
     }
 
     /// c·a.
@@ -434,14 +457,6 @@ impl Graph {
             _ if a == b => a,
             _ => self.intern(Node::Where([x, y, a, b])),
         }
-    }
-
-    /// Puts operands in order: a constant is the second, others are in the order in which they were
-    /// made.
-    fn commutative(&mut self, function: Binary, a: Id, b: Id) -> Id {
-        let [first, second] = [a, b].map(|id| (self.as_constant(id).is_some(), id));
-        let (a, b) = if second < first { (b, a) } else { (a, b) };
-        self.intern(Node::Binary(function, a, b))
     }
 
     /// Makes an expression, with the identities applied.
@@ -522,8 +537,8 @@ impl Graph {
 
     /// u₁v₂ − u₂v₁.
     pub fn minor(&mut self, u: [Id; 2], v: [Id; 2]) -> Id {
-        let (plus, minus) = (self.mul(u[0], v[1]), self.mul(u[1], v[0]));
-        self.sub(plus, minus)
+        let plus = self.mul(u[0], v[1]);
+        self.sub_product(plus, u[1], v[0])
     }
 
     /// u × v.
@@ -533,12 +548,8 @@ impl Graph {
 
     /// Σ uᵢvᵢ.
     pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
-        let mut sum = self.constant(0.0);
-        for (&u, &v) in u.iter().zip(v) {
-            let product = self.mul(u, v);
-            sum = self.add(sum, product);
-        }
-        sum
+        let zero = self.constant(0.0);
+        u.iter().zip(v).fold(zero, |sum, (&u, &v)| self.add_product(sum, u, v))
     }
 }
 

@@ -62,14 +62,9 @@ struct Term {
 }
 
 impl Join<'_> {
-    /// The operands of a function that is used here alone.
-    fn alone(&self, id: Id, function: Binary) -> Option<(Id, Id)> {
-        match self.graph.node(id) {
-            Node::Binary(found, a, b) if found == function => {
-                (self.uses[id] == 1 && !self.uniform[id]).then_some((a, b))
-            }
-            _ => None,
-        }
+    /// Whether an expression is used once, and no number.
+    fn is_alone(&self, id: Id) -> bool {
+        self.uses[id] == 1 && !self.uniform[id]
     }
 
     fn number(&self, id: Id) -> Option<Number> {
@@ -85,7 +80,10 @@ impl Join<'_> {
         if let Some(factor) = self.number(id) {
             return Term { rows: Vec::new(), factor };
         }
-        let product = |id| self.alone(id, Binary::Mul);
+        let product = |id| match self.graph.node(id) {
+            Node::Binary(Binary::Mul, a, b) if self.is_alone(id) => Some((a, b)),
+            _ => None,
+        };
         let scaled = product(id).and_then(|(a, b)| self.scaled(a, b));
         let (id, factor) = scaled.unwrap_or((id, Number::ONE));
         let rows = match product(id) {
@@ -141,13 +139,12 @@ impl Join<'_> {
 
     fn product(&self, a: Id, b: Id) -> Joined {
         let Some((x, k)) = self.scaled(a, b) else { return Mul.on([a, b]) };
-        let of = |function| self.alone(x, function);
-        let inner = match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
-            (Some((a, b)), ..) => self.sum(a, b, false),
-            (_, Some((a, b)), _) => self.sum(a, b, true),
-            (.., Some((a, b))) if self.scaled(a, b).is_none() => Mul.on([a, b]),
-            _ => Scale.on([x]),
+        let takes_factor = match self.graph.node(x) {
+            Node::Binary(Binary::Add | Binary::Sub, ..) => true,
+            Node::Binary(Binary::Mul, a, b) => self.scaled(a, b).is_none(),
+            _ => false,
         };
-        inner.times(k)
+        let inner = if takes_factor && self.is_alone(x) { self.step(x) } else { None };
+        inner.unwrap_or_else(|| Scale.on([x])).times(k)
     }
 }

@@ -4,7 +4,6 @@ use std::{collections::BTreeSet, ops::Range, slice::from_ref};
 
 use super::{
     Coordinate, MAX_EXPRESSIONS, average, cayley,
-    average::add,
     definition::Formulas,
     flows::Term,
     sparse::{Field, Sparse, connected, dot},
@@ -90,7 +89,7 @@ impl Expressions {
             new.hamiltonians.fill(new.graph.constant(0.0));
             for term in terms {
                 let root = new.graph.copy(Some(other), &[term.root], variable)[0];
-                add(&mut new.graph, &mut new.hamiltonians[term.of], root, term.factor);
+                new.graph.add_to(&mut new.hamiltonians[term.of], root, term.factor);
             }
         }
         if formulas.ito {
@@ -192,8 +191,7 @@ impl Expressions {
         let mut all = weighted.to_vec();
         for &(m, u) in &self.baths {
             let u = shift(&mut self.graph, u, m);
-            let drift = self.graph.mul(u, weighted[0].1);
-            all[m].1 = self.graph.add(weighted[m].1, drift);
+            all[m].1 = self.graph.add_product(weighted[m].1, u, weighted[0].1);
         }
         all
     }
@@ -257,8 +255,7 @@ impl Expressions {
         let mut sum = self.graph.constant(0.0);
         for &(m, factor) in shares {
             let weight = self.graph.input(self.group(DT).start + m);
-            let weight = self.graph.scale(weight, factor);
-            sum = self.graph.add(sum, weight);
+            self.graph.add_to(&mut sum, weight, factor);
         }
         sum
     }
@@ -309,8 +306,8 @@ impl Expressions {
             let mut sum = graph.constant(0.0);
             for (&column, &above) in &structure[i] {
                 let Some(&v) = v.get(&column) else { continue };
-                let product = graph.mul(above, v);
-                sum = if column < i { graph.sub(sum, product) } else { graph.add(sum, product) };
+                let add = if column < i { Graph::sub_product } else { Graph::add_product };
+                sum = add(graph, sum, above, v);
             }
             if !graph.is_zero(sum) {
                 field.insert(i, sum);
@@ -357,7 +354,7 @@ impl Expressions {
             sum = self.graph.add(sum, component);
         }
         for (component, n) in self.fields.iter().flatten().zip(1..) {
-            add(&mut self.graph, &mut sum, *component, f64::from(n));
+            self.graph.add_to(&mut sum, *component, f64::from(n));
         }
         sum
     }
@@ -394,7 +391,7 @@ impl Expressions {
         for m in 1..self.hamiltonians.len() {
             let (_, field) = self.field_of(m);
             for (k, slope) in self.vector_along(&field, &field) {
-                add(&mut self.graph, &mut correction[k], slope, 0.5);
+                self.graph.add_to(&mut correction[k], slope, 0.5);
             }
         }
         correction
@@ -410,7 +407,7 @@ impl Expressions {
                 for (f, g, sign) in [(m, l, -1.0), (l, m, 1.0)] {
                     for (k, slope) in self.vector_along(&fields[g].1, &fields[f].1) {
                         let term = self.graph.mul(slope, area);
-                        add(&mut self.graph, &mut sum[k], term, sign);
+                        self.graph.add_to(&mut sum[k], term, sign);
                     }
                 }
             }
@@ -582,17 +579,16 @@ impl Expressions {
             let power = dot(&mut self.graph, &field, &slope);
             let bent = self.gradient(power);
             let bent = dot(&mut self.graph, &field, &bent);
-            add(&mut self.graph, &mut heat, bent, 0.5);
+            self.graph.add_to(&mut heat, bent, 0.5);
             if let Some(&(_, u)) = self.baths.iter().find(|bath| bath.0 == m + 1) {
-                let drift = self.graph.mul(u, power);
-                heat = self.graph.add(heat, drift);
+                heat = self.graph.add_product(heat, u, power);
             }
         }
         for &(i, rate) in friction {
             let Some(&slope) = slope.get(&i) else { continue };
             let y = self.graph.input(i);
             let lost = self.graph.mul(y, slope);
-            add(&mut self.graph, &mut heat, lost, -rate);
+            self.graph.add_to(&mut heat, lost, -rate);
         }
         self.tape(&[heat], [Y])
     }
@@ -653,8 +649,8 @@ impl Expressions {
         let mut right = y.to_vec();
         for (k, right) in right.iter_mut().enumerate() {
             let mut sum = self.field[k];
-            add(&mut self.graph, &mut sum, constant[k], 1.0);
-            add(&mut self.graph, right, sum, 0.5);
+            self.graph.add_to(&mut sum, constant[k], 1.0);
+            self.graph.add_to(right, sum, 0.5);
         }
         cayley::solve(&mut self.graph, matrix, right)
     }
@@ -681,13 +677,13 @@ impl Expressions {
         for (v, column) in v.into_iter().zip(&columns) {
             for (&i, entry) in column {
                 for (&k, &slope) in &entry.slopes {
-                    add(&mut self.graph, matrix[i].entry(k).or_insert(zero), v, slope);
+                    self.graph.add_to(matrix[i].entry(k).or_insert(zero), v, slope);
                 }
             }
         }
         for (i, row) in matrix.iter_mut().enumerate() {
             row.values_mut().for_each(|entry| *entry = self.graph.scale(*entry, -0.5));
-            add(&mut self.graph, row.entry(i).or_insert(zero), one, 1.0);
+            self.graph.add_to(row.entry(i).or_insert(zero), one, 1.0);
         }
         Some(matrix)
     }

@@ -13,7 +13,13 @@ use std::{
 };
 
 use super::{expressions::Expressions, sparse::Field};
-use expression::{Affine, Binary, Graph, Id, Node, Unary, Weighted, forms, terms};
+use expression::{
+    Affine,
+    Binary::{Div, Max, Mul},
+    Graph, Id, Node,
+    Unary::{Cos, Cosh, Exp, Sin, Sinc, Sinh, Sqrt},
+    Weighted, forms, terms,
+};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
 #[derive(Clone)]
@@ -233,10 +239,10 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
             let graph = &system.graph;
             let factor = factor * graph.as_constant(weight).unwrap_or(1.0);
             match graph.node(root) {
-                Node::Binary(Binary::Div, a, c) if graph.as_constant(c).is_some() => {
+                Node::Binary(Div, a, c) if graph.as_constant(c).is_some() => {
                     open.extend(graph.as_constant(c).map(|c| (a, factor / c)));
                 }
-                Node::Binary(Binary::Mul, a, b)
+                Node::Binary(Mul, a, b)
                     if graph.scaled(a).or(graph.scaled(b)).is_some() =>
                 {
                     let [(x, c), (y, d)] = [a, b].map(|id| graph.scaled(id).unwrap_or((id, 1.0)));
@@ -321,13 +327,11 @@ impl Linear {
         for Motion { component: k, cube, second } in &self.motions {
             let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
             let angle = graph.scale(time, rate);
-            let weights = by_cube(graph, angle, *cube);
+            let [odd, even] = by_cube(graph, angle, *cube);
             let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
-            let [first, second] = [0, 1].map(|n| {
-                let form = forms[n].expression(graph, &start);
-                graph.mul(form, weights[n])
-            });
-            let change = graph.add(first, second);
+            let [first, second] = forms.map(|form| form.expression(graph, &start));
+            let change = graph.mul(first, odd);
+            let change = graph.add_product(change, second, even);
             y[*k] = graph.add(start[*k], change);
         }
     }
@@ -430,7 +434,7 @@ fn pairs(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Ter
 
 /// The components, in their order, whose product a term is.
 fn product(system: &Expressions, term: &Term) -> Option<[usize; 2]> {
-    let Node::Binary(Binary::Mul, a, b) = system.graph.node(term.root) else { return None };
+    let Node::Binary(Mul, a, b) = system.graph.node(term.root) else { return None };
     let mut both = [system.component(a)?, system.component(b)?];
     both.sort_unstable();
     Some(both)
@@ -536,9 +540,8 @@ impl Kind {
                     }
                 }
                 for k in 0..y.len() {
-                    let factor = system.graph.unary(Unary::Exp, rates[k]);
-                    let grown = system.graph.mul(y[k], factor);
-                    y[k] = system.graph.add(grown, changes[k]);
+                    let factor = system.graph.unary(Exp, rates[k]);
+                    y[k] = system.graph.add_product(changes[k], y[k], factor);
                 }
             }
         }
@@ -553,9 +556,9 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
     let total = [0, 1, 2].map(|k| graph.add(a[k], b[k]));
     // sin(ωt)/ω and (1 − cos ωt)/ω² with ω = |s|, which may be zero.
     let square = graph.dot(&total, &total);
-    let (rate, half_time) = (graph.unary(Unary::Sqrt, square), graph.scale(time, 0.5));
+    let (rate, half_time) = (graph.unary(Sqrt, square), graph.scale(time, 0.5));
     let half = graph.mul(rate, half_time);
-    let [sinc, cos] = [Unary::Sinc, Unary::Cos].map(|function| graph.unary(function, half));
+    let [sinc, cos] = [Sinc, Cos].map(|function| graph.unary(function, half));
     let scaled = graph.mul(time, sinc);
     let (first, second) = (graph.mul(scaled, cos), graph.power(scaled, 2));
     let second = graph.scale(second, 0.5);
@@ -563,19 +566,18 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
         let turned = graph.cross(&known, &total);
         let twice = graph.cross(&turned, &total);
         let moved = [0, 1, 2].map(|k| {
-            let (one, two) = (graph.mul(turned[k], first), graph.mul(twice[k], second));
-            let change = graph.add(one, two);
+            let change = graph.mul(turned[k], first);
+            let change = graph.add_product(change, twice[k], second);
             graph.add(known[k], change)
         });
         // 1 + ½(|a|² − |a′|²)/|a|², and 1 where a is zero.
         let [before, after] = [known, moved].map(|vector| graph.dot(&vector, &vector));
         let (lost, least) = (graph.sub(before, after), graph.constant(f64::MIN_POSITIVE));
-        let before = graph.binary(Binary::Max, before, least);
+        let before = graph.binary(Max, before, least);
         let share = graph.div(lost, before);
         let share = graph.scale(share, 0.5);
         for k in 0..3 {
-            let change = graph.mul(moved[k], share);
-            y[vector[k]] = graph.add(moved[k], change);
+            y[vector[k]] = graph.add_product(moved[k], moved[k], share);
         }
     }
 }
@@ -589,8 +591,7 @@ fn angles(system: &mut Expressions, known: &Involution, terms: &[Term]) -> Vec<I
         let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
         for ((_, function), slope) in term.functions.iter().zip(slopes) {
             if let Some((n, share)) = known.multiple(function) {
-                let share = system.graph.scale(slope, share);
-                sums[n] = system.graph.add(sums[n], share);
+                system.graph.add_to(&mut sums[n], slope, share);
             }
         }
     }
@@ -605,8 +606,8 @@ fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
             let square = graph.power(time, 2);
             return [time, graph.scale(square, 0.5)];
         }
-        ..0.0 => [Unary::Sin, Unary::Cos],
-        _ => [Unary::Sinh, Unary::Cosh],
+        ..0.0 => [Sin, Cos],
+        _ => [Sinh, Cosh],
     };
     // Of half of the angle, so that nothing cancels.
     let half = graph.scale(time, 0.5);

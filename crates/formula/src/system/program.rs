@@ -72,16 +72,6 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    /// The guard of a system, a function of y and t; dt is not read.
-    fn guard(system: &mut Expressions) -> Self {
-        let (d, guard, mut graph) = (system.dimension, system.guard(), Graph::new());
-        let t = graph.input(d + 1);
-        let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
-        let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
-        let multiples = Vec::new();
-        Self { tape, multiples, noise_rows: None, reads_areas: false, reads_time: true }
-    }
-
     fn composition(system: &Expressions, moves: &[Move]) -> Self {
         let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
         let factor_of = |one: &Move| match *one {
@@ -108,9 +98,9 @@ impl SchemeTape {
                     for k in 0..m {
                         let moves = only.is_none_or(|only| k == only);
                         let [noise, area] = if moves { [noise, area] } else { [0.0; 2] };
-                        let increment = graph.scale(dw[k], noise);
-                        let area = graph.scale(areas[k], area);
-                        weights.push(graph.add(increment, area));
+                        let mut weight = graph.scale(dw[k], noise);
+                        graph.add_to(&mut weight, areas[k], area);
+                        weights.push(weight);
                     }
                     y = system.flow(part, &mut graph, &y, &weights, t);
                 }
@@ -180,9 +170,15 @@ impl FormulaProgram {
         Self { numbers: compiled.tape.numbers.clone(), compiled, scratch }
     }
 
-    /// The guard of a system.
+    /// The guard of a system, a function of y and t; dt is not read.
     pub(super) fn guard(system: &mut Expressions) -> Self {
-        Self::new(Arc::new(SchemeTape::guard(system)))
+        let (d, guard, mut graph) = (system.dimension, system.guard(), Graph::new());
+        let t = graph.input(d + 1);
+        let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
+        let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
+        let (multiples, noise_rows) = (Vec::new(), None);
+        let guard = SchemeTape { tape, multiples, noise_rows, reads_areas: false, reads_time: true };
+        Self::new(Arc::new(guard))
     }
 
     /// The tape.
