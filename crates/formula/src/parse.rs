@@ -562,7 +562,9 @@ impl<'a> Parser<'a> {
                 let wrong = format!("{} {operator} {} has no meaning", kind(m), kind(n));
                 return self.error(wrong, span);
             }
-            ("/", _, 1) if self.graph.is_zero(b[0]) => return self.error("division by zero", right),
+            ("/", _, 1) if self.graph.is_zero(b[0]) => {
+                return self.error("division by zero", right);
+            }
             ("+" | "-", ..) | ("*", 1, _) | ("*" | "/", _, 1) | (_, 1, 1) => {}
             _ => return self.error("a product of vectors is dot(a, b) or cross(a, b)", span),
         }

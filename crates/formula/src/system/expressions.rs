@@ -475,8 +475,7 @@ impl Expressions {
     pub fn additive(&mut self) -> Vec<Option<Vec<usize>>> {
         let fields = self.noise_fields();
         let moved = |(_, field): (Sparse, Sparse)| {
-            let changes = field.into_iter().filter(|&(_, change)| !self.graph.is_zero(change));
-            let (moved, changes): (Vec<usize>, Vec<Id>) = changes.unzip();
+            let (moved, changes): (Vec<usize>, Vec<Id>) = field.into_iter().unzip();
             self.reads(&changes).is_empty().then_some(moved)
         };
         fields.into_iter().map(moved).collect()
@@ -731,8 +730,7 @@ impl Expressions {
         connected(&joined).into_iter().map(block).collect()
     }
 
-    fn tape(&self, roots: &[Id], groups: impl IntoIterator<Item = usize>) -> Tape {
-        let groups: Vec<_> = groups.into_iter().map(|group| self.group(group)).collect();
-        Tape::new(&self.graph, roots, &groups)
+    fn tape<const N: usize>(&self, roots: &[Id], groups: [usize; N]) -> Tape {
+        Tape::new(&self.graph, roots, &groups.map(|group| self.group(group)))
     }
 }

@@ -242,9 +242,7 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
                 Node::Binary(Div, a, c) if graph.as_constant(c).is_some() => {
                     open.extend(graph.as_constant(c).map(|c| (a, factor / c)));
                 }
-                Node::Binary(Mul, a, b)
-                    if graph.scaled(a).or(graph.scaled(b)).is_some() =>
-                {
+                Node::Binary(Mul, a, b) if graph.scaled(a).or(graph.scaled(b)).is_some() => {
                     let [(x, c), (y, d)] = [a, b].map(|id| graph.scaled(id).unwrap_or((id, 1.0)));
                     open.push((system.graph.mul(x, y), factor * c * d));
                 }

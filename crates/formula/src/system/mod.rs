@@ -20,9 +20,7 @@ use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
     probe::shown_solvable,
-    run_time::{
-        Description, InTime, Move, Op, Parts, Program, Recorded, System, Weights,
-    },
+    run_time::{Description, InTime, Move, Op, Parts, Program, Recorded, System, Weights},
 };
 
 pub use definition::{Bath, Definition, DefinitionError, Equation, Structure, Which};

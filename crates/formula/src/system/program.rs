@@ -177,7 +177,8 @@ impl FormulaProgram {
         let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
         let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
         let (multiples, noise_rows) = (Vec::new(), None);
-        let guard = SchemeTape { tape, multiples, noise_rows, reads_areas: false, reads_time: true };
+        let guard =
+            SchemeTape { tape, multiples, noise_rows, reads_areas: false, reads_time: true };
         Self::new(Arc::new(guard))
     }
 
