@@ -546,10 +546,15 @@ impl Graph {
         [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor([u[i], u[j]], [v[i], v[j]]))
     }
 
+    /// The sum of products.
+    pub fn sum(&mut self, products: impl IntoIterator<Item = (Id, Id)>) -> Id {
+        let zero = self.constant(0.0);
+        products.into_iter().fold(zero, |sum, (u, v)| self.add_product(sum, u, v))
+    }
+
     /// Σ uᵢvᵢ.
     pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
-        let zero = self.constant(0.0);
-        u.iter().zip(v).fold(zero, |sum, (&u, &v)| self.add_product(sum, u, v))
+        self.sum(u.iter().copied().zip(v.iter().copied()))
     }
 }
 

@@ -479,31 +479,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn of_vectors(
-        &mut self,
-        function: OfVectors,
-        a: &[Id],
-        b: &[Id],
-        span: Range<usize>,
-    ) -> Parsed {
-        match function {
-            _ if a.len() != b.len() => {
-                let (a, b) = (a.len(), b.len());
-                self.error(format!("these vectors have {a} and {b} components"), span)
-            }
-            OfVectors::Cross if a.len() != 3 => {
-                let wrong = format!("a cross product is of three components, got {}", a.len());
-                self.error(wrong, span)
-            }
-            OfVectors::Cross => Ok((self.graph.cross(a, b).to_vec(), span)),
-            OfVectors::Dot => self.alone(span, |graph| graph.dot(a, b)),
-            OfVectors::Norm => self.alone(span, |graph| {
-                let square = graph.dot(a, b);
-                graph.unary(Unary::Sqrt, square)
-            }),
-        }
-    }
-
     fn call(&mut self, function: &str, at: Range<usize>) -> Parsed {
         let meaning = self.names.meaning(function);
         let expected = match meaning {
@@ -521,7 +496,21 @@ impl<'a> Parser<'a> {
             return self.error(wrong, span);
         }
         if let Some(Meaning::OfVectors(of)) = meaning {
-            return self.of_vectors(*of, &arguments[0].0, &arguments[expected - 1].0, span);
+            let (a, b) = (&arguments[0].0, &arguments[expected - 1].0);
+            return match (of, a.len(), b.len()) {
+                (_, m, n) if m != n => {
+                    self.error(format!("these vectors have {m} and {n} components"), span)
+                }
+                (OfVectors::Cross, 3, _) => Ok((self.graph.cross(a, b).to_vec(), span)),
+                (OfVectors::Cross, m, _) => {
+                    self.error(format!("a cross product is of three components, got {m}"), span)
+                }
+                (OfVectors::Dot, ..) => self.alone(span, |graph| graph.dot(a, b)),
+                (OfVectors::Norm, ..) => self.alone(span, |graph| {
+                    let square = graph.dot(a, b);
+                    graph.unary(Unary::Sqrt, square)
+                }),
+            };
         }
         let number = |(k, argument)| match (expected, k) {
             (3, 0) => self.condition(argument),

@@ -6,7 +6,7 @@ use super::{
     Coordinate, MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
     flows::Term,
-    sparse::{Field, Sparse, connected, dot},
+    sparse::{Field, Sparse, connected, consecutive, dot},
 };
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
@@ -105,15 +105,14 @@ impl Expressions {
         // ∇(H₀w₀ + H₁w₁ + …), with w + u dt for baths.
         new.baths = new.shifts(&temperatures);
         let weighted: Vec<Weighted> =
-            new.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
+            new.hamiltonians.iter().copied().zip(weights.clone()).collect();
         let shifted = new.shifted(&weighted, |_, shift, _| shift);
         let sum = |k: usize| {
-            let of: Vec<Id> = new.fields.iter().map(|field| field[k]).collect();
-            let weighted: Vec<Weighted> = of.iter().copied().zip(weights.iter().copied()).collect();
+            let fields = new.fields.iter().map(|field| field[k]);
+            let direct: Vec<Weighted> = fields.zip(weights.clone()).collect();
             // Drift and noises may share terms.
-            let (parts, sums): (Vec<Id>, Vec<Id>) =
-                terms(&mut new.graph, &weighted).into_iter().unzip();
-            let sums = [(of, weights.clone()), (parts, sums)].map(|(a, b)| new.graph.dot(&a, &b));
+            let shared = terms(&mut new.graph, &direct);
+            let sums = [direct, shared].map(|products| new.graph.sum(products));
             let [direct, shared] = sums.map(|sum| new.graph.needed(&[sum]).len());
             sums[usize::from(shared < direct)]
         };
@@ -199,9 +198,7 @@ impl Expressions {
     /// The inputs of a group.
     fn group(&self, group: usize) -> Range<usize> {
         let (d, m) = (self.dimension, self.noises);
-        let sizes = [d, d, d, 1, m, number_of_areas(m), 1];
-        let first = sizes[..group].iter().sum();
-        first..first + sizes[group]
+        consecutive([d, d, d, 1, m, number_of_areas(m), 1])[group].clone()
     }
 
     fn inputs(&mut self, group: usize) -> Vec<Id> {

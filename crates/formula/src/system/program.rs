@@ -13,6 +13,7 @@ use super::{
     MAX_EXPRESSIONS,
     average::point,
     expressions::{Expressions, number_of_areas},
+    sparse::consecutive,
 };
 use expression::{Graph, Id, Numbers, Tape};
 
@@ -82,11 +83,8 @@ impl SchemeTape {
         let reads = |one: &Move| matches!(one, Move::Flow { area, .. } if *area != 0.0);
         let reads_space_time = moves.iter().any(reads);
         // y, dt, factors, t, dw and space-time areas.
-        let (time, noise) = (d + 1 + count, d + 2 + count);
-        let (dt, t) = (graph.input(d), graph.input(time));
-        let [mut y, factors, dw, areas] =
-            [0..d, d + 1..time, noise..noise + m, noise + m..noise + 2 * m]
-                .map(|numbers| graph.inputs(numbers));
+        let inputs = consecutive([d, 1, count, 1, m, m]);
+        let [mut y, dt, factors, t, dw, areas] = inputs.clone().map(|of| graph.inputs(of));
         for one in moves {
             match *one {
                 Move::Scale(k) => y.iter_mut().for_each(|y| *y = graph.mul(*y, factors[k])),
@@ -94,7 +92,7 @@ impl SchemeTape {
                     y[component] = graph.mul(y[component], factors[factor]);
                 }
                 Move::Flow { part, drift, noise, area, only } => {
-                    let mut weights = vec![graph.scale(dt, drift)];
+                    let mut weights = vec![graph.scale(dt[0], drift)];
                     for k in 0..m {
                         let moves = only.is_none_or(|only| k == only);
                         let [noise, area] = if moves { [noise, area] } else { [0.0; 2] };
@@ -102,19 +100,18 @@ impl SchemeTape {
                         graph.add_to(&mut weight, areas[k], area);
                         weights.push(weight);
                     }
-                    y = system.flow(part, &mut graph, &y, &weights, t);
+                    y = system.flow(part, &mut graph, &y, &weights, t[0]);
                 }
             }
         }
         let reads_time = system.depend_on_time();
-        let uniform = d..time + usize::from(reads_time);
-        let noise_rows = if reads_space_time { 2 * m } else { m };
-        let rows = noise..noise + noise_rows;
-        let groups: Vec<_> = once(0..d).chain((m > 0).then_some(rows)).collect();
+        let [states, first, _, time, noise, areas] = inputs;
+        let noise = noise.start..if reads_space_time { areas.end } else { noise.end };
+        let noise_rows = (m > 0).then_some(noise.len());
+        let groups: Vec<_> = once(states).chain((m > 0).then_some(noise)).collect();
+        let uniform = first.start..time.start + usize::from(reads_time);
         let tape = Tape::with_numbers(&graph, &y, &groups, uniform);
-        let multiples = (0..count).collect();
-        let noise_rows = (m > 0).then_some(noise_rows);
-        Self { tape, multiples, noise_rows, reads_areas: false, reads_time }
+        Self { tape, multiples: (0..count).collect(), noise_rows, reads_areas: false, reads_time }
     }
 
     fn formula(
@@ -125,20 +122,16 @@ impl SchemeTape {
     ) -> Option<Self> {
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
-        let numbers = inputs * system.dimension;
-        let (t, reads_time) = (numbers + 1 + multiples.len(), system.depend_on_time());
-        let noise = t + 1;
-        let mut graph = Graph::new();
-        let dt = graph.input(numbers);
-        let areas = noise + system.noises;
-        let end = areas + number_of_areas(system.noises);
-        let weights = [vec![dt], graph.inputs(noise..end), vec![graph.input(t)]].concat();
-        let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * system.dimension);
+        let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
+        // States, dt, factors, t, dw and areas.
+        let all = consecutive([inputs * d, 1, multiples.len(), 1, m, number_of_areas(m)]);
+        let [_, dt, factors, t, dw, areas] = all.clone().map(|of| graph.inputs(of));
+        let weights = [dt, dw, areas, t].concat();
+        let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * d);
         let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
-            let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
-            let state = builder.state(node, factor)?;
+            let state = builder.state(node, factor.map(|k| factors[k]))?;
             builder.states.push(state);
             // One operation may be longer.
             if builder.graph.size() > most && nodes.len() > inputs + 1 {
@@ -148,18 +141,19 @@ impl SchemeTape {
         if inputs > MAX_INPUTS {
             return None;
         }
-        let states = (0..inputs).map(|k| k * system.dimension..(k + 1) * system.dimension);
+        let states = (0..inputs).map(|k| k * d..(k + 1) * d);
         let reads = |of: fn(&Op<usize>) -> bool| {
             nodes.iter().any(|node| matches!(node, Recorded::Of(op) if of(op)))
         };
         let (reads_noise, reads_areas) = (reads(Op::reads_weights), reads(Op::reads_areas));
-        let (noises, areas) =
-            (reads_noise.then_some(noise..areas), reads_areas.then_some(areas..end));
-        let groups: Vec<_> = states.chain(noises).chain(areas).collect();
+        let [_, first, _, time, noise, areas] = all;
+        let (noise, areas) = (reads_noise.then_some(noise), reads_areas.then_some(areas));
+        let groups: Vec<_> = states.chain(noise).chain(areas).collect();
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
-        let uniform = numbers..t + usize::from(reads_time);
+        let reads_time = system.depend_on_time();
+        let uniform = first.start..time.start + usize::from(reads_time);
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, uniform);
-        let noise_rows = reads_noise.then_some(system.noises);
+        let noise_rows = reads_noise.then_some(m);
         Some(Self { tape, multiples, noise_rows, reads_areas, reads_time })
     }
 }
