@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operators};
+use crate::{
+    Real,
+    operator::{functions, operators},
+};
 
 /// A bound of the degree of a polynomial, found by evaluating its formula: sums take the larger
 /// degree, products add them.
@@ -70,38 +73,21 @@ operators! { [] Degree:
 
 impl Real for Degree {
     const DEPTH: u32 = 0;
-    #[inline(always)]
-    fn constant(_: f64) -> Self {
-        Self::CONSTANT
+    functions! {
+        constant(_x: f64) => Self::CONSTANT;
+        exp(a) => a.function();
+        ln(a) => a.function();
+        sqrt(a) => a.function();
+        sinc(a) => a.function();
+        select(_condition: bool, a: Self, b: Self) => a.larger(b);
+        // None if the condition varies, since pieces are not a polynomial.
+        where_less(x: Self, y: Self, a: Self, b: Self) => {
+            if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }
+        };
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         (self.function(), self.function())
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn select(_condition: bool, a: Self, b: Self) -> Self {
-        a.larger(b)
-    }
-    /// Degree of a choice: none if the condition varies, since pieces are not a polynomial.
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }
     }
 }
 

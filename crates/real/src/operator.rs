@@ -1,4 +1,4 @@
-//! The operators of number types.
+//! The operators and functions of number types.
 
 /// Implements operators, always inlined.
 macro_rules! operators {
@@ -17,4 +17,24 @@ macro_rules! operators {
         operators!([$($generics)*] $number: $($more)*);
     };
 }
-pub(crate) use operators;
+
+/// Functions of a number type, always inlined: of one number, or of arguments with their types.
+macro_rules! functions {
+    () => {};
+    ($function:ident($a:ident) => $value:expr; $($more:tt)*) => {
+        #[inline(always)]
+        fn $function(self) -> Self {
+            let $a = self;
+            $value
+        }
+        functions! { $($more)* }
+    };
+    ($function:ident($($argument:ident: $type:ty),*) => $value:expr; $($more:tt)*) => {
+        #[inline(always)]
+        fn $function($($argument: $type),*) -> Self {
+            $value
+        }
+        functions! { $($more)* }
+    };
+}
+pub(crate) use {functions, operators};

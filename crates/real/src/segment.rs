@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operators};
+use crate::{
+    Real,
+    operator::{functions, operators},
+};
 
 /// A function of y on the segment y = (a+b)/2 + s(b − a)/2, |s| ≤ 1, with its mean over it where
 /// that has a closed form: polynomials of degree two, and sines and cosines of affine functions.
@@ -62,14 +65,19 @@ impl<R: Real> Segment<R> {
             Form::Affine => Form::Known,
             Form::Known | Form::Other => Form::Other,
         };
-        Self { middle, half: R::zero(), mean, form }
+        Self::of(middle, mean, form)
     }
 
     /// A function without a closed form, unless this is constant.
     #[inline(always)]
     fn other(self, value: R) -> Self {
         let form = if self.form == Form::Constant { Form::Constant } else { Form::Other };
-        Self { middle: value, half: R::zero(), mean: value, form }
+        Self::of(value, value, form)
+    }
+
+    #[inline(always)]
+    fn of(middle: R, mean: R, form: Form) -> Self {
+        Self { middle, half: R::zero(), mean, form }
     }
 
     #[inline(always)]
@@ -98,7 +106,7 @@ operators! { [R: Real] Segment<R>:
         let middle = a.middle * b.middle;
         let mean = middle + a.half * b.half * (1.0 / 3.0);
         let form = if a.larger(b) == Form::Affine { Form::Known } else { Form::Other };
-        Self { middle, half: R::zero(), mean, form }
+        Self::of(middle, mean, form)
     };
     Div::div(a, b: Self) => if b.form == Form::Constant {
         a.times(b.middle.recip())
@@ -114,43 +122,28 @@ operators! { [R: Real] Segment<R>:
 
 impl<R: Real> Real for Segment<R> {
     const DEPTH: u32 = R::DEPTH;
-    #[inline(always)]
-    fn constant(x: f64) -> Self {
-        let x = R::constant(x);
-        Self { middle: x, half: R::zero(), mean: x, form: Form::Constant }
+    functions! {
+        constant(x: f64) => {
+            let x = R::constant(x);
+            Self::of(x, x, Form::Constant)
+        };
+        exp(a) => a.other(a.middle.exp());
+        ln(a) => a.other(a.middle.ln());
+        sqrt(a) => a.other(a.middle.sqrt());
+        sinc(a) => a.other(a.middle.sinc());
+        select(condition: bool, a: Self, b: Self) => if condition { a } else { b };
+        where_less(x: Self, y: Self, a: Self, b: Self) => {
+            let form = if x.larger(y) == Form::Constant { a.larger(b) } else { Form::Other };
+            let of = |a: R, b: R| R::where_less(x.middle, y.middle, a, b);
+            let (middle, half) = (of(a.middle, b.middle), of(a.half, b.half));
+            Self { middle, half, mean: of(a.mean, b.mean), form }
+        };
     }
     /// The means of sine and cosine are their values at the middle times sinc of the half angle.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let ((sin, cos), factor) = (self.middle.sin_cos(), self.half.sinc());
         (Self::known(self, sin, sin * factor), Self::known(self, cos, cos * factor))
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.other(self.middle.exp())
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.other(self.middle.ln())
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.other(self.middle.sqrt())
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        self.other(self.middle.sinc())
-    }
-    #[inline(always)]
-    fn select(condition: bool, a: Self, b: Self) -> Self {
-        if condition { a } else { b }
-    }
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        let form = if x.larger(y) == Form::Constant { a.larger(b) } else { Form::Other };
-        let of = |a: R, b: R| R::where_less(x.middle, y.middle, a, b);
-        let (middle, half) = (of(a.middle, b.middle), of(a.half, b.half));
-        Self { middle, half, mean: of(a.mean, b.mean), form }
     }
 }
 
