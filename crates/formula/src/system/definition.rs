@@ -179,14 +179,15 @@ impl Formulas {
             let names = if is_entry { &names } else { &timed };
             let formula = Formula::parse(text, names).and_then(|formula| {
                 let reason = formula.explain(&start[..formula.variables.len()]);
-                let at_y0 = |message| format!("{message} at the initial value");
-                let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
+                let at_y0 = " at the initial value";
+                let wrong = |e: FormulaError| FormulaError { message: e.message + at_y0, ..e };
                 let reason = formula.condition().or(reason.map(wrong));
                 reason.map_or(Ok(formula), Err)
             });
             formula.map_err(|error| DefinitionError {
-                formula: Some(Box::new(error.clone())),
-                ..DefinitionError::new(which, format!("{which}: {error}"))
+                which,
+                message: format!("{which}: {error}"),
+                formula: Some(Box::new(error)),
             })
         };
         let hamiltonian = |(m, text): (usize, &String)| {
@@ -210,7 +211,7 @@ impl Formulas {
         let temperature = |(m, bath): (usize, &Bath)| {
             let which = Which::Temperature(m + 1);
             let kt = parsed(which, &bath.temperature)?;
-            let value = kt.value(&start[..kt.variables.len()]);
+            let value = kt.value(&start);
             let wrong = match kt.reads().into_iter().find(|&k| k < y0.len()) {
                 Some(k) => format!("depends on `{}`: it may depend on t alone", state[k]),
                 None if value > 0.0 => return Ok(kt),
@@ -294,20 +295,19 @@ fn upper(
 ) -> Checked<Vec<Entry>> {
     let dimension = y0.len();
     let wrong = |what| Err(DefinitionError::new(Which::Matrix, what));
-    let entry = |(i, j): (usize, usize), text: &str| {
+    let entry = |((i, j), text): ((usize, usize), &String)| {
         Ok(((i, j), parsed(Which::Structure(i + 1, j + 1), text)?))
     };
     let rows = match texts {
         Structure::Rows(rows) => rows,
         Structure::Entries(entries) => {
-            let is_above = |&&(i, j): &&(usize, usize)| i < j && j < dimension;
-            if let Some((i, j)) = entries.keys().find(|place| !is_above(place)) {
+            if let Some((i, j)) = entries.keys().find(|&&(i, j)| i >= j || j >= dimension) {
                 return wrong(format!(
                     "an entry of B has row < column < {dimension}, counted from 0, got row {i}, \
                      column {j}"
                 ));
             }
-            return entries.iter().map(|(&place, text)| entry(place, text)).collect();
+            return entries.iter().map(|(&place, text)| entry((place, text))).collect();
         }
     };
     let lengths: Vec<usize> = rows.iter().map(Vec::len).collect();
@@ -319,13 +319,11 @@ fn upper(
             dimension - 1
         ));
     }
-    let mut entries = Vec::new();
-    for (i, row) in rows.iter().enumerate() {
+    let places = rows.iter().enumerate().flat_map(|(i, row)| {
         let first = if is_full { 0 } else { i + 1 };
-        for (k, text) in row.iter().enumerate() {
-            entries.push(entry((i, first + k), text)?);
-        }
-    }
+        (first..).zip(row).map(move |(j, text)| ((i, j), text))
+    });
+    let mut entries: Vec<Entry> = places.map(entry).collect::<Checked<_>>()?;
     if is_full {
         check_skew(&entries, y0)?;
         entries.retain(|((i, j), _)| i < j);

@@ -1,6 +1,6 @@
 //! The expressions of a system in one graph.
 
-use std::{collections::BTreeSet, ops::Range, slice::from_ref};
+use std::{collections::BTreeSet, ops::Range};
 
 use super::{
     Coordinate, MAX_EXPRESSIONS, average, cayley,
@@ -242,11 +242,6 @@ impl Expressions {
         self.graph.needed(roots).into_iter().filter_map(|id| self.component(id)).collect()
     }
 
-    /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
-    pub fn weight(&mut self, terms: &[Term]) -> Id {
-        self.weighted(&terms.iter().map(|term| (term.of, term.factor)).collect::<Vec<_>>())
-    }
-
     /// Σ c·w for the weights w of Hamiltonians and factors c.
     pub fn weighted(&mut self, shares: &[(usize, f64)]) -> Id {
         let mut sum = self.graph.constant(0.0);
@@ -259,7 +254,7 @@ impl Expressions {
 
     /// B∇F of a term with its weight.
     pub fn field_of_term(&mut self, term: &Term) -> Sparse {
-        let weight = self.weight(from_ref(term));
+        let weight = self.weighted(&[(term.of, term.factor)]);
         let gradient = self.slopes(&[(term.root, weight)]);
         self.times(&gradient)
     }

@@ -7,10 +7,7 @@
 //! kick, and one that multiplies components by what it does not change is a growth. Terms of none
 //! of these forms are one part, whose steps preserve its energy.
 
-use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
-    slice::from_ref,
-};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::{expressions::Expressions, sparse::Field};
 use expression::{
@@ -516,14 +513,14 @@ impl Kind {
             }
             Self::Rest => {}
             Self::Pairs { pairs, .. } => {
-                let mut of: HashMap<_, Vec<Term>> = HashMap::new();
+                let mut of: HashMap<_, Vec<_>> = HashMap::new();
                 for term in terms {
-                    of.entry(product(system, term)).or_default().push(term.clone());
+                    of.entry(product(system, term)).or_default().push((term.of, term.factor));
                 }
                 for vectors in pairs {
                     let mut first = vectors.map(|vector| vector[0]);
                     first.sort_unstable();
-                    let time = system.weight(&of[&Some(first)]);
+                    let time = system.weighted(&of[&Some(first)]);
                     turn_pair(&mut system.graph, time, vectors, &mut y);
                 }
             }
@@ -585,7 +582,7 @@ fn angles(system: &mut Expressions, known: &Involution, terms: &[Term]) -> Vec<I
     let mut sums = vec![system.graph.constant(0.0); known.all.len()];
     for term in terms {
         let roots: Vec<Id> = term.functions.iter().map(|(id, _)| *id).collect();
-        let weight = system.weight(from_ref(term));
+        let weight = system.weighted(&[(term.of, term.factor)]);
         let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
         for ((_, function), slope) in term.functions.iter().zip(slopes) {
             if let Some((n, share)) = known.multiple(function) {
