@@ -176,10 +176,10 @@ impl<'a> Parser<'a> {
         const MISSING: &str = "a number, a name or a bracket is missing";
         let (token, last) = (self.token(), self.last);
         let is_word = |c: char| is_letter(c) || c.is_ascii_digit() || c == '.';
-        let shown = |word: &str| match word {
-            "(" | ")" => "(…)".to_owned(),
-            _ if word.chars().count() > 20 => "…".to_owned(),
-            _ => word.to_owned(),
+        let shown = |word: &'a str| match word {
+            "(" | ")" => "(…)",
+            _ if word.chars().count() > 20 => "…",
+            _ => word,
         };
         let message = match token.chars().next() {
             None => format!("{MISSING} at the end"),

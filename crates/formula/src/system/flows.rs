@@ -361,14 +361,10 @@ fn along(form: &Affine, field: &Field) -> Affine {
 fn vectors(columns: &[Field]) -> Vec<Option<[usize; 3]>> {
     // The two components that the field of yₖ turns as y × eₖ does.
     let axis = |k: usize| {
-        let mut moved = columns[k].iter();
-        let ((&i, one), (&j, other), None) = (moved.next()?, moved.next()?, moved.next()) else {
-            return None;
-        };
-        if *one == Affine::input(j) && *other == Affine::input(i).times(-1.0) {
-            return Some([i, j]);
-        }
-        (*other == Affine::input(i) && *one == Affine::input(j).times(-1.0)).then_some([j, i])
+        let [(&i, one), (&j, other)] = Vec::from_iter(&columns[k])[..] else { return None };
+        let is = |form: &Affine, k: usize, sign: f64| *form == Affine::input(k).times(sign);
+        let turns = |sign: f64| is(one, j, sign) && is(other, i, -sign);
+        if turns(1.0) { Some([i, j]) } else { turns(-1.0).then_some([j, i]) }
     };
     let vector = |k: usize| {
         let [i, j] = axis(k)?;
@@ -482,10 +478,9 @@ impl Kind {
             }
             (Self::Kick { changed, grown, read }, Self::Kick { changed: c, grown: g, read: r }) => {
                 // No component both grows and is pushed.
-                let apart = c.iter().all(|k| {
-                    !read.contains(k)
-                        && (!changed.contains(k) || grown.contains(k) == g.contains(k))
-                }) && r.iter().all(|k| !changed.contains(k));
+                let apart = changed.is_disjoint(r)
+                    && c.is_disjoint(read)
+                    && c.intersection(changed).all(|k| grown.contains(k) == g.contains(k));
                 if apart {
                     changed.extend(c);
                     grown.extend(g);

@@ -317,16 +317,13 @@ impl System for FormulaSystem {
     /// The formulas of B, H₀ and Hₘ, or of fields, must be finite. The error names the first
     /// component that the formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
-        let mut all = self.formulas.all();
         let start = [y, &[0.0]].concat();
-        let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);
-        match all.find(|formula| !at_start(formula).is_finite()) {
-            None => Ok(()),
-            Some(formula) => {
-                let i = formula.reads().into_iter().find(|&i| i < y.len()).unwrap_or(0);
-                Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
-            }
-        }
+        let at_start = |formula: &&Formula| formula.value(&start[..formula.variables.len()]);
+        let outside = self.formulas.all().find(|formula| !at_start(formula).is_finite());
+        outside.map_or(Ok(()), |formula| {
+            let i = formula.reads().into_iter().find(|&i| i < y.len()).unwrap_or(0);
+            Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
+        })
     }
 }
 
