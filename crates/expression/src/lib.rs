@@ -20,7 +20,7 @@
 //!
 //! The way through the crate: [`Graph`] (identities, `derivative`) → `compile` (powers written out,
 //! operations joined, rows allocated) → [`Tape`] → `instruction` (loops over rows). [`terms`] and
-//! [`Affine`] take expressions apart.
+//! [`Affine`] take expressions apart, and [`Values`] has something for each of them.
 
 mod affine;
 mod compile;

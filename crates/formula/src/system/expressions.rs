@@ -1,6 +1,6 @@
 //! The expressions of a system in one graph.
 
-use std::{collections::BTreeSet, ops::Range};
+use std::{collections::BTreeSet, iter::once, ops::Range};
 
 use super::{
     Coordinate, MAX_EXPRESSIONS, average, cayley,
@@ -164,10 +164,10 @@ impl Expressions {
         if temperatures.is_empty() {
             return Vec::new();
         }
-        let ((_, drift), first) = (self.field_of(0), self.noises + 1 - temperatures.len());
+        let (drift, first) = (self.field_of(0), self.noises + 1 - temperatures.len());
         let shift = |(m, &kt): (usize, &Id)| {
             // {H₀, Φ} = −∇ΦᵀB∇H₀.
-            let (slope, _) = self.field_of(m);
+            let slope = self.gradient(self.hamiltonians[m]);
             let bracket = dot(&mut self.graph, &slope, &drift);
             let half = self.graph.scale(bracket, 0.5);
             (m, self.graph.div(half, kt))
@@ -381,7 +381,7 @@ impl Expressions {
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
-            let (_, field) = self.field_of(m);
+            let field = self.field_of(m);
             for (k, slope) in self.vector_along(&field, &field) {
                 self.graph.add_to(&mut correction[k], slope, 0.5);
             }
@@ -397,7 +397,7 @@ impl Expressions {
             for (m, l) in (0..fields.len()).flat_map(|l| (0..l).map(move |m| (m, l))) {
                 let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
                 for (f, g, sign) in [(m, l, -1.0), (l, m, 1.0)] {
-                    for (k, slope) in self.vector_along(&fields[g].1, &fields[f].1) {
+                    for (k, slope) in self.vector_along(&fields[g], &fields[f]) {
                         let term = self.graph.mul(slope, area);
                         self.graph.add_to(&mut sum[k], term, sign);
                     }
@@ -406,10 +406,11 @@ impl Expressions {
             return sum;
         }
         let mut brackets = Vec::new();
-        for (m, (slope, _)) in fields.iter().enumerate() {
-            for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
+        for m in 0..self.noises {
+            let slope = self.gradient(self.hamiltonians[m + 1]);
+            for (l, field) in fields.iter().enumerate().skip(m + 1) {
                 let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
-                brackets.push((dot(&mut self.graph, slope, field), area));
+                brackets.push((dot(&mut self.graph, &slope, field), area));
             }
         }
         self.graph.reverse(&brackets, &Vec::from_iter(self.group(Y)))
@@ -425,12 +426,13 @@ impl Expressions {
         let fields = self.noise_fields();
         let size = self.graph.size();
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
-        for (m, (slope, f)) in fields.iter().enumerate() {
-            for (_, g) in &fields[m + 1..] {
+        for (m, f) in fields.iter().enumerate() {
+            let slope = self.gradient(self.hamiltonians[m + 1]);
+            for g in &fields[m + 1..] {
                 let turned = if self.is_plain() {
                     Sparse::new()
                 } else {
-                    let bracket = dot(&mut self.graph, slope, g);
+                    let bracket = dot(&mut self.graph, &slope, g);
                     let v = self.gradient(bracket);
                     self.times(&v)
                 };
@@ -466,7 +468,7 @@ impl Expressions {
     /// The components that each noise moves, if its field does not depend on y.
     pub fn additive(&mut self) -> Vec<Option<Vec<usize>>> {
         let fields = self.noise_fields();
-        let moved = |(_, field): (Sparse, Sparse)| {
+        let moved = |field: Sparse| {
             let (moved, changes): (Vec<usize>, Vec<Id>) = field.into_iter().unzip();
             self.reads(&changes).is_empty().then_some(moved)
         };
@@ -478,12 +480,12 @@ impl Expressions {
         if !(1..=MAX_NOISES).contains(&self.noises) {
             return false;
         }
-        let fields: Vec<Sparse> = self.noise_fields().into_iter().map(|(_, field)| field).collect();
+        let fields = self.noise_fields();
         let mut all = fields.iter().flat_map(Sparse::values);
         if !all.all(|&x| self.graph.as_constant(x).is_some()) {
             return false;
         }
-        let (_, drift) = self.field_of(0);
+        let drift = self.field_of(0);
         let (size, mut bent) = (self.graph.size(), Vec::new());
         for f in &fields {
             let along = self.vector_along(&drift, f);
@@ -502,26 +504,23 @@ impl Expressions {
         self.graph.values(roots, |k| y.get(k).copied().unwrap_or(R::constant(t)))
     }
 
-    /// ∇Hₘ and B∇Hₘ of all noises.
-    fn noise_fields(&mut self) -> Vec<(Sparse, Sparse)> {
+    /// B∇Hₘ of all noises.
+    fn noise_fields(&mut self) -> Vec<Sparse> {
         (1..=self.noises).map(|m| self.field_of(m)).collect()
     }
 
-    /// ∇Hₘ and B∇Hₘ of one Hamiltonian, with what baths add to those of H₀.
-    fn field_of(&mut self, m: usize) -> (Sparse, Sparse) {
+    /// B∇Hₘ of one Hamiltonian, with what baths add to that of H₀; or fₘ.
+    fn field_of(&mut self, m: usize) -> Sparse {
+        if let Some(field) = self.fields.get(m) {
+            let all = field.iter().copied().enumerate();
+            return all.filter(|&(_, component)| !self.graph.is_zero(component)).collect();
+        }
         let one = self.graph.constant(1.0);
         let baths = self.baths.iter().filter(|_| m == 0);
         let shifts = baths.map(|&(m, u)| (self.hamiltonians[m], u));
-        let weighted: Vec<_> = [(self.hamiltonians[m], one)].into_iter().chain(shifts).collect();
-        let gradient = match self.fields.get(m) {
-            Some(field) => {
-                let all = field.iter().copied().enumerate();
-                all.filter(|&(_, component)| !self.graph.is_zero(component)).collect()
-            }
-            None => self.slopes(&weighted),
-        };
-        let field = self.times(&gradient);
-        (gradient, field)
+        let weighted: Vec<_> = once((self.hamiltonians[m], one)).chain(shifts).collect();
+        let gradient = self.slopes(&weighted);
+        self.times(&gradient)
     }
 
     /// The coordinates of momenta, as [`super::FormulaSystem::coordinates`] has them.
@@ -550,7 +549,7 @@ impl Expressions {
     pub fn friction(&mut self) -> Vec<(usize, usize, f64)> {
         let baths = self.baths.clone().into_iter().enumerate();
         let rate = |(n, (m, u)): (usize, (usize, Id))| {
-            let (_, field) = self.field_of(m);
+            let field = self.field_of(m);
             let (&k, &noise) = field.first_key_value().filter(|_| field.len() == 1)?;
             self.graph.as_constant(noise)?;
             let drift = self.graph.mul(u, noise);
@@ -566,7 +565,7 @@ impl Expressions {
         let slope = self.gradient(self.hamiltonians[0]);
         let mut heat = self.graph.constant(0.0);
         for &m in noises {
-            let (_, field) = self.field_of(m + 1);
+            let field = self.field_of(m + 1);
             let power = dot(&mut self.graph, &field, &slope);
             let bent = self.gradient(power);
             let bent = dot(&mut self.graph, &field, &bent);
@@ -587,7 +586,7 @@ impl Expressions {
     /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.
     pub fn in_time(mut self, y: &[f64]) -> (Graph, Vec<Id>) {
         let fields: Vec<Id> =
-            (0..=self.noises).flat_map(|m| self.field_of(m).1.into_values()).collect();
+            (0..=self.noises).flat_map(|m| self.field_of(m).into_values()).collect();
         let mut graph = Graph::new();
         let t = graph.input(0);
         let y: Vec<Id> = y.iter().map(|&y| graph.constant(y)).collect();
@@ -601,7 +600,7 @@ impl Expressions {
     pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
         let mut fields = vec![Vec::new(); self.dimension];
         for m in 0..=self.noises {
-            self.field_of(m).1.into_iter().for_each(|(i, field)| fields[i].push((m, field)));
+            self.field_of(m).into_iter().for_each(|(i, field)| fields[i].push((m, field)));
         }
         let names = self.names(state);
         let equation = |(i, name): (usize, &String)| {
