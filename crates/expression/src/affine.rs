@@ -4,7 +4,12 @@ use std::collections::BTreeMap;
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary, place},
+    graph::{
+        Binary::{Add, Div, Mul, Sub},
+        Graph, Node,
+        Unary::Neg,
+    },
+    values::Values,
 };
 
 /// c + Σ aₖyₖ. Slopes that are zero are left out.
@@ -73,8 +78,7 @@ impl Affine {
     pub fn expression(&self, graph: &mut Graph, of: &[Id]) -> Id {
         let mut sum = graph.constant(self.constant);
         for (&k, &slope) in &self.slopes {
-            let term = graph.scale(of[k], slope);
-            sum = graph.add(sum, term);
+            graph.add_to(&mut sum, of[k], slope);
         }
         sum
     }
@@ -89,13 +93,11 @@ fn sum(a: f64, b: f64) -> f64 {
 /// Forms with more inputs are not looked for.
 const MAX_INPUTS: usize = 1000;
 
-/// For each expression of a list that [`Graph::needed`] gave its form in the first `count` inputs,
-/// if it is affine with constant numbers. An expression without these inputs that is not a number
-/// has none.
-pub fn forms(graph: &Graph, needed: &[Id], count: usize) -> Vec<Option<Affine>> {
-    let mut forms: Vec<Option<Affine>> = Vec::with_capacity(needed.len());
-    for &id in needed {
-        let of = |id: Id| forms[place(needed, id)].as_ref();
+/// For each expression that `roots` use its form in the first `count` inputs, if it is affine with
+/// constant numbers. An expression without these inputs that is not a number has none.
+pub fn forms(graph: &Graph, roots: &[Id], count: usize) -> Values<Option<Affine>> {
+    Values::new(graph.needed(roots), |id, forms: &Values<Option<Affine>>| {
+        let of = |id: Id| forms[id].as_ref();
         let number =
             |id: Id| of(id).filter(|form| form.slopes.is_empty()).map(|form| form.constant);
         let form = match graph.node(id) {
@@ -103,22 +105,19 @@ pub fn forms(graph: &Graph, needed: &[Id], count: usize) -> Vec<Option<Affine>> 
                 Some(Affine { constant: f64::from_bits(bits), ..Affine::default() })
             }
             Node::Input(k) if (k as usize) < count => Some(Affine::input(k as usize)),
-            Node::Unary(Unary::Neg, a) => of(a).map(|a| a.times(-1.0)),
-            Node::Binary(sign @ (Binary::Add | Binary::Sub), a, b) => {
-                of(a).zip(of(b)).map(|(a, b)| {
-                    let mut sum = a.clone();
-                    sum.add(if sign == Binary::Add { 1.0 } else { -1.0 }, b);
-                    sum
-                })
-            }
-            Node::Binary(Binary::Mul, a, b) => {
+            Node::Unary(Neg, a) => of(a).map(|a| a.times(-1.0)),
+            Node::Binary(sign @ (Add | Sub), a, b) => of(a).zip(of(b)).map(|(a, b)| {
+                let mut sum = a.clone();
+                sum.add(if sign == Add { 1.0 } else { -1.0 }, b);
+                sum
+            }),
+            Node::Binary(Mul, a, b) => {
                 let scaled = |a, b| Some(of(a)?.times(number(b)?));
                 scaled(a, b).or_else(|| scaled(b, a))
             }
-            Node::Binary(Binary::Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
+            Node::Binary(Div, a, b) => of(a).zip(number(b)).map(|(a, b)| a.times(1.0 / b)),
             _ => None,
         };
-        forms.push(form.filter(|form| form.slopes.len() <= MAX_INPUTS));
-    }
-    forms
+        form.filter(|form| form.slopes.len() <= MAX_INPUTS)
+    })
 }

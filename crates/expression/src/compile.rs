@@ -10,11 +10,11 @@ use crate::{
     graph::{
         Binary, Graph, Node,
         Unary::{Cos, Sin},
-        place,
     },
     instruction::{Instruction, MAX_ROWS, OUT, Operation, Place, SCRATCH},
     join::{Joined, joined},
-    uniform::{Numbers, ONE, uniform},
+    uniform::{Number, Numbers, ONE, uniform},
+    values::Values,
 };
 
 /// Expressions whose values, 256 bytes each, fit into the cache of a core.
@@ -31,38 +31,36 @@ pub fn compile(
     let (graph, outputs) = lowered(graph, outputs);
     let uniform = uniform(&graph, uniform_inputs);
     let mut steps = joined(&graph, &outputs, &uniform);
-    let taken = steps.iter().flatten().flat_map(|step| step.numbers);
+    let taken = graph.ids().flat_map(|id| steps[id].iter()).flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
     // Few values stay in the cache in any order. As made, neighbours seldom wait for one another.
     let is_short = graph.size() <= SHORT;
-    let order = if is_short { graph.ids().collect() } else { by_results(&steps, &outputs) };
+    let order = if is_short { graph.ids().collect() } else { by_results(&graph, &steps, &outputs) };
     let order = sines_beside_cosines(&mut steps, order);
-    let mut last_use = vec![0; graph.size()];
+    let mut last_use = Values::all(&graph, 0);
     for (n, &id) in order.iter().enumerate() {
-        let operands = steps[id.index()].iter().flat_map(|step| &step.operands);
-        operands.for_each(|x| last_use[x.index()] = n);
+        operands(&steps, id).for_each(|x| last_use[x] = n);
     }
     // Where each value is.
-    let mut homes = vec![Place::default(); graph.size()];
+    let mut homes = Values::all(&graph, Place::default());
     let (mut code, mut free, mut rows) = (Vec::new(), Vec::new(), 0);
     // The first row of each result.
     let results: HashMap<Id, usize> =
         outputs.iter().enumerate().rev().map(|(row, &output)| (output, row)).collect();
     for (n, &id) in order.iter().enumerate() {
-        let index = id.index();
-        let Some(step) = &steps[index] else {
-            if let (Node::Input(k), false) = (graph.node(id), uniform[index]) {
+        let Some(step) = &steps[id] else {
+            if let (Node::Input(k), false) = (graph.node(id), uniform[id]) {
                 let place = input(k as usize);
-                homes[index] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
+                homes[id] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
             }
             continue;
         };
         let mut from = [Place::default(); MAX_ROWS];
-        for (k, operand) in step.operands.iter().enumerate() {
-            from[k] = homes[operand.index()];
+        for (k, &operand) in step.operands.iter().enumerate() {
+            from[k] = homes[operand];
             // A row that is not used after this instruction may be written by it.
-            let is_last = last_use[operand.index()] == n;
+            let is_last = last_use[operand] == n;
             if is_last && from[k].bank == SCRATCH && !from[..k].contains(&from[k]) {
                 free.push(from[k].row);
             }
@@ -73,52 +71,53 @@ pub fn compile(
                 rows - 1
             })
         };
-        homes[index] = match results.get(&id) {
+        homes[id] = match results.get(&id) {
             Some(&row) => Place { bank: OUT, row: row as u32 },
             None => Place { bank: SCRATCH, row: scratch_row() },
         };
-        let place = |id: Id| places[id.index()];
-        let numbers = step.numbers.map(|k| k.id.map_or(ONE, place) + u32::from(k.negative));
-        code.push(Instruction { operation: step.operation, to: homes[index], from, numbers });
+        let place = |k: Number| k.id.map_or(ONE, |id| places[id]) + usize::from(k.negative);
+        let numbers = step.numbers.map(|k| place(k) as u32);
+        code.push(Instruction { operation: step.operation, to: homes[id], from, numbers });
     }
     // Results that are inputs, and results that are there already.
-    for (row, output) in outputs.iter().enumerate() {
-        let mut from = [Place::default(); MAX_ROWS];
-        from[0] = homes[output.index()];
-        let to = Place { bank: OUT, row: row as u32 };
+    for (row, &output) in outputs.iter().enumerate() {
+        let (to, from) = (Place { bank: OUT, row: row as u32 }, [homes[output]; MAX_ROWS]);
         if to != from[0] {
-            code.push(Instruction { operation: Operation::Copy, to, from, numbers: [ONE; 3] });
+            let numbers = [ONE as u32; 3];
+            code.push(Instruction { operation: Operation::Copy, to, from, numbers });
         }
     }
     (code, numbers, rows as usize)
 }
 
+/// The expressions that a step reads.
+fn operands(steps: &Values<Option<Joined>>, id: Id) -> impl Iterator<Item = Id> {
+    steps[id].iter().flat_map(|step| &step.operands).copied()
+}
+
 /// Order of the expressions by the results that need them, and of the operands of each step the
 /// longest chain first: few values wait for others, so that those of a long tape stay in the cache.
-fn by_results(steps: &[Option<Joined>], outputs: &[Id]) -> Vec<Id> {
-    let operands = |id: Id| steps[id.index()].iter().flat_map(|step| &step.operands).copied();
-    let mut lengths: Vec<u32> = Vec::with_capacity(steps.len());
-    for n in 0..steps.len() {
-        let longest = operands(Id::at(n)).map(|operand| lengths[operand.index()]).max();
-        lengths.push(longest.map_or(0, |longest| longest + 1));
-    }
-    let (mut order, mut seen) = (Vec::new(), vec![false; steps.len()]);
+fn by_results(graph: &Graph, steps: &Values<Option<Joined>>, outputs: &[Id]) -> Vec<Id> {
+    let lengths = Values::new(graph.ids().collect(), |id, lengths| {
+        operands(steps, id).map(|operand| lengths[operand] + 1).max().unwrap_or(0)
+    });
+    let (mut order, mut seen) = (Vec::new(), HashSet::new());
     for &output in outputs {
         // Expressions, and whether their operands are there.
         let mut open = vec![(output, false)];
         while let Some((id, is_ready)) = open.pop() {
-            if seen[id.index()] {
+            if seen.contains(&id) {
                 continue;
             }
             if is_ready {
-                seen[id.index()] = true;
+                seen.insert(id);
                 order.push(id);
                 continue;
             }
             open.push((id, true));
             let first = open.len();
-            open.extend(operands(id).map(|operand| (operand, false)));
-            open[first..].sort_by_key(|(operand, _)| lengths[operand.index()]);
+            open.extend(operands(steps, id).map(|operand| (operand, false)));
+            open[first..].sort_by_key(|(operand, _)| lengths[*operand]);
         }
     }
     order
@@ -126,23 +125,21 @@ fn by_results(steps: &[Option<Joined>], outputs: &[Id]) -> Vec<Id> {
 
 /// The order with every cosine after the sine of the same expression, if there is one, both where
 /// the first of them was.
-fn sines_beside_cosines(steps: &mut [Option<Joined>], order: Vec<Id>) -> Vec<Id> {
+fn sines_beside_cosines(steps: &mut Values<Option<Joined>>, order: Vec<Id>) -> Vec<Id> {
     let mut pairs: HashMap<Id, [Option<Id>; 2]> = HashMap::new();
-    for (n, step) in steps.iter().enumerate() {
-        if let Some(Joined { operation: Operation::Of(function @ (Sin | Cos)), operands, .. }) =
-            step
+    for &id in &order {
+        if let Some(step) = &steps[id]
+            && let Operation::Of(function @ (Sin | Cos)) = step.operation
         {
-            let pair = pairs.entry(operands[0]).or_default();
-            pair[usize::from(*function == Cos)] = Some(Id::at(n));
+            let pair = pairs.entry(step.operands[0]).or_default();
+            pair[usize::from(function == Cos)] = Some(id);
         }
     }
     let mut pair_of = HashMap::new();
     for pair in pairs.into_values() {
         if let [Some(sine), Some(cosine)] = pair {
             pair_of.extend([sine, cosine].map(|id| (id, [sine, cosine])));
-            if let Some(step) = &mut steps[sine.index()] {
-                step.operation = Operation::SinBesideCos;
-            }
+            steps[sine].iter_mut().for_each(|step| step.operation = Operation::SinBesideCos);
         }
     }
     let (mut beside, mut seen) = (Vec::with_capacity(order.len()), HashSet::new());
@@ -158,17 +155,12 @@ fn sines_beside_cosines(steps: &mut [Option<Joined>], order: Vec<Id>) -> Vec<Id>
 
 /// The expressions in a new graph, with powers written out as products.
 fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
-    let needed = graph.needed(outputs);
     let mut lower = Graph::new();
-    let mut copies: Vec<Id> = Vec::with_capacity(needed.len());
-    for &id in &needed {
-        let of = |id: Id| copies[place(&needed, id)];
-        copies.push(match graph.node(id) {
-            Node::Power(a, n) => product(&mut lower, of(a), n),
-            node => lower.intern(node.with_operands(of)),
-        });
-    }
-    let results = outputs.iter().map(|&output| copies[place(&needed, output)]).collect();
+    let copies = Values::new(graph.needed(outputs), |id, copies| match graph.node(id) {
+        Node::Power(a, n) => product(&mut lower, copies[a], n),
+        node => lower.intern(node.with_operands(|operand| copies[operand])),
+    });
+    let results = outputs.iter().map(|&output| copies[output]).collect();
     (lower, results)
 }
 

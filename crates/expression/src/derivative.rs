@@ -1,6 +1,6 @@
 //! Derivatives from graph to graph. What does not vary is left out, not multiplied by zero.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
     Id,
@@ -8,8 +8,8 @@ use crate::{
         Binary::*,
         Graph, Node,
         Unary::{self, *},
-        place,
     },
+    values::Values,
 };
 
 /// Terms of the series of sinc′: the first omitted one is below half an ulp at x = 1.
@@ -29,12 +29,10 @@ impl Graph {
     /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an
     /// input.
     pub fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
-        let mut sorted = inputs.to_vec();
-        sorted.sort_unstable();
-        let slopes = self.adjoints(weighted, |_, id| sorted.binary_search(&id).is_ok());
+        let wanted = BTreeSet::from_iter(inputs);
+        let slopes = self.adjoints(weighted, |_, id| wanted.contains(&id));
         let zero = self.constant(0.0);
-        let of = |x| slopes.binary_search_by_key(x, |slope| slope.0).map_or(zero, |n| slopes[n].1);
-        inputs.iter().map(of).collect()
+        inputs.iter().map(|x| slopes.get(x).copied().unwrap_or(zero)).collect()
     }
 
     /// The derivatives of [`reverse`](Self::reverse) that are not zero, by inputs that are
@@ -44,43 +42,34 @@ impl Graph {
         weighted: &[(Id, Id)],
         is_variable: impl Fn(usize) -> bool,
     ) -> BTreeMap<usize, Id> {
-        let number = |graph: &Self, id| match graph.node(id) {
-            Node::Input(k) => Some(k as usize).filter(|&k| is_variable(k)),
-            _ => None,
-        };
+        let number = |graph: &Self, id| graph.as_input(id).filter(|&k| is_variable(k));
         let slopes = self.adjoints(weighted, |graph, id| number(graph, id).is_some());
         slopes.into_iter().filter_map(|(id, slope)| Some((number(self, id)?, slope))).collect()
     }
 
-    /// The derivatives by what is an input, in the order of inputs; zeros are left out.
+    /// The derivatives by what is an input; zeros are left out.
     fn adjoints(
         &mut self,
         weighted: &[(Id, Id)],
         is_input: impl Fn(&Self, Id) -> bool,
-    ) -> Vec<(Id, Id)> {
+    ) -> BTreeMap<Id, Id> {
         let needed = self.needed(&weighted.iter().map(|(f, _)| *f).collect::<Vec<_>>());
-        let mut varies: Vec<bool> = Vec::with_capacity(needed.len());
-        for &id in &needed {
-            let mut operands = self.node(id).operands();
-            varies.push(is_input(self, id) || operands.any(|of| varies[place(&needed, of)]));
+        let varies = Values::new(needed.clone(), |id, varies| {
+            is_input(self, id) || self.node(id).operands().any(|operand| varies[operand])
+        });
+        let mut adjoints = Values::new(needed, |_, _| None);
+        for &(f, weight) in weighted.iter().filter(|(f, _)| varies[*f]) {
+            self.accumulate(&mut adjoints[f], weight);
         }
-        let mut adjoints: Vec<Option<Id>> = vec![None; needed.len()];
-        for &(f, weight) in weighted {
-            let n = place(&needed, f);
-            if varies[n] {
-                self.accumulate(&mut adjoints[n], weight);
-            }
-        }
-        for (n, &id) in needed.iter().enumerate().rev() {
-            let Some(weight) = adjoints[n].filter(|_| !is_input(self, id)) else { continue };
-            let places = self.node(id).operands().map(|operand| place(&needed, operand));
-            let varying = places.enumerate().filter(|(_, operand)| varies[*operand]);
+        for &id in varies.ids().iter().rev() {
+            let Some(weight) = adjoints[id].filter(|_| !is_input(self, id)) else { continue };
+            let varying = self.node(id).operands().enumerate().filter(|(_, of)| varies[*of]);
             let part = |(k, operand)| Some((operand, self.part(id, k, weight)?));
-            let parts: Vec<(usize, Id)> = varying.filter_map(part).collect();
+            let parts: Vec<(Id, Id)> = varying.filter_map(part).collect();
             parts.into_iter().for_each(|(to, part)| self.accumulate(&mut adjoints[to], part));
         }
-        let found = needed.iter().zip(adjoints).filter(|(id, _)| is_input(self, **id));
-        found.filter_map(|(&id, slope)| Some((id, slope?))).collect()
+        let inputs = varies.ids().iter().filter(|&&id| is_input(self, id));
+        inputs.filter_map(|&id| Some((id, adjoints[id]?))).collect()
     }
 
     fn accumulate(&mut self, adjoint: &mut Option<Id>, part: Id) {
@@ -94,8 +83,7 @@ impl Graph {
 
     /// weight·∂f/∂a for operand number k of f.
     fn part(&mut self, f: Id, k: usize, weight: Id) -> Option<Id> {
-        let is_first = k == 0;
-        let [first, second, third, fourth] = [0, 1, 2, 3].map(|n| (n == k).then_some(weight));
+        let (is_first, if_at) = (k == 0, |n| (n == k).then_some(weight));
         Some(match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
             Node::Unary(Neg, _) => self.neg(weight),
@@ -129,14 +117,14 @@ impl Graph {
                 let part = self.mul(part, f);
                 self.neg(part)
             }
-            Node::Binary(Min, a, b) => self.chosen(a, b, first, second)?,
-            Node::Binary(Max, a, b) => self.chosen(b, a, first, second)?,
+            Node::Binary(Min, a, b) => self.chosen(a, b, if_at(0), if_at(1))?,
+            Node::Binary(Max, a, b) => self.chosen(b, a, if_at(0), if_at(1))?,
             Node::Power(a, n) => {
                 let power = self.power_of_size(a, n - 1);
                 let weight = self.scale(weight, f64::from(n));
                 self.mul(weight, power)
             }
-            Node::Where([x, y, ..]) => self.chosen(x, y, third, fourth)?,
+            Node::Where([x, y, ..]) => self.chosen(x, y, if_at(2), if_at(3))?,
         })
     }
 
@@ -171,8 +159,7 @@ impl Graph {
             let n = f64::from(n);
             let ratio = (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
             let scaled = self.scale(square, ratio);
-            let product = self.mul(scaled, series);
-            series = self.sub(one, product);
+            series = self.sub_product(one, scaled, series);
         }
         let product = self.mul(x, series);
         let near = self.scale(product, -1.0 / 3.0);
@@ -189,16 +176,12 @@ impl Graph {
     ///
     /// Along new inputs, of the gradient, it is a Hessian times a vector.
     pub fn forward(&mut self, roots: &[Id], direction: impl Fn(usize) -> Option<Id>) -> Vec<Id> {
-        let needed = self.needed(roots);
-        let mut tangents: Vec<Option<Id>> = Vec::with_capacity(needed.len());
-        for &id in &needed {
-            tangents.push(match self.node(id) {
-                Node::Input(k) => direction(k as usize).filter(|&rate| !self.is_zero(rate)),
-                _ => self.tangent(id, |operand| tangents[place(&needed, operand)]),
-            });
-        }
+        let tangents = Values::new(self.needed(roots), |id, tangents| match self.node(id) {
+            Node::Input(k) => direction(k as usize).filter(|&rate| !self.is_zero(rate)),
+            _ => self.tangent(id, |operand| tangents[operand]),
+        });
         let zero = self.constant(0.0);
-        roots.iter().map(|&root| tangents[place(&needed, root)].unwrap_or(zero)).collect()
+        roots.iter().map(|&root| tangents[root].unwrap_or(zero)).collect()
     }
 
     /// The derivative of f from those of its operands; none if it does not vary.
@@ -210,9 +193,8 @@ impl Graph {
                 self.part(f, 0, rate)?
             }
             Node::Binary(Add | Sub | Mul, a, b) => {
-                let parts = [of(a), of(b)];
-                let mut part = |k: usize| parts[k].and_then(|rate| self.part(f, k, rate));
-                match (part(0), part(1)) {
+                let mut part = |k, operand| self.part(f, k, of(operand)?);
+                match (part(0, a), part(1, b)) {
                     (Some(left), Some(right)) => self.add(left, right),
                     (left, right) => left.or(right)?,
                 }

@@ -7,6 +7,8 @@ use std::{
 };
 
 use real::{Degree, Real};
+
+use crate::values::Values;
 use {Binary::*, Unary::*};
 
 /// An expression of a [`Graph`].
@@ -155,9 +157,8 @@ impl Node {
         }
     }
 
-    /// The value, from those of earlier expressions, of what is no input.
-    pub fn value<R: Real>(self, values: &[R]) -> R {
-        let of = |id: Id| values[id.index()];
+    /// The value, from those of its operands, of what is no input.
+    pub fn value<R: Real>(self, of: impl Fn(Id) -> R) -> R {
         match self {
             Self::Constant(bits) => R::constant(f64::from_bits(bits)),
             Self::Input(_) => unreachable!("an input has a value of its own"),
@@ -245,13 +246,17 @@ impl Graph {
         self.intern(Node::Input(k as u32))
     }
 
-    /// The number of inputs up to the last that was made.
-    pub fn inputs(&self) -> usize {
-        let number = |node: &Node| match node {
-            Node::Input(k) => *k as usize + 1,
-            _ => 0,
-        };
-        self.nodes.iter().map(number).max().unwrap_or(0)
+    /// The inputs of these numbers.
+    pub fn inputs(&mut self, numbers: Range<usize>) -> Vec<Id> {
+        numbers.map(|k| self.input(k)).collect()
+    }
+
+    /// The number of the input that an expression is.
+    pub fn as_input(&self, id: Id) -> Option<usize> {
+        match self.node(id) {
+            Node::Input(k) => Some(k as usize),
+            _ => None,
+        }
     }
 
     /// The value of an expression without inputs.
@@ -352,7 +357,12 @@ impl Graph {
                 self.neg(unsigned)
             }
             (Min | Max, ..) if a == b => a,
-            (Add | Mul, ..) => self.commutative(function, a, b),
+            (Add | Mul, ..) => {
+                // A constant is the second, others are in the order in which they were made.
+                let mut operands = [a, b];
+                operands.sort_by_key(|&id| (self.as_constant(id).is_some(), id));
+                self.intern(Node::Binary(function, operands[0], operands[1]))
+            }
             _ => self.intern(Node::Binary(function, a, b)),
         }
     }
@@ -375,6 +385,24 @@ impl Graph {
     /// a/b.
     pub fn div(&mut self, a: Id, b: Id) -> Id {
         self.binary(Div, a, b)
+    }
+
+    /// sum + a·b.
+    pub fn add_product(&mut self, sum: Id, a: Id, b: Id) -> Id {
+        let product = self.mul(a, b);
+        self.add(sum, product)
+    }
+
+    /// sum − a·b.
+    pub fn sub_product(&mut self, sum: Id, a: Id, b: Id) -> Id {
+        let product = self.mul(a, b);
+        self.sub(sum, product)
+    }
+
+    /// Adds weight·a to a sum.
+    pub fn add_to(&mut self, sum: &mut Id, a: Id, weight: f64) {
+        let weighted = self.scale(a, weight);
+        *sum = self.add(*sum, weighted);
     }
 
     /// c·a.
@@ -431,14 +459,6 @@ impl Graph {
         }
     }
 
-    /// Puts operands in order: a constant is the second, others are in the order in which they were
-    /// made.
-    fn commutative(&mut self, function: Binary, a: Id, b: Id) -> Id {
-        let [first, second] = [a, b].map(|id| (self.as_constant(id).is_some(), id));
-        let (a, b) = if second < first { (b, a) } else { (a, b) };
-        self.intern(Node::Binary(function, a, b))
-    }
-
     /// Makes an expression, with the identities applied.
     fn make(&mut self, node: Node) -> Id {
         match node {
@@ -458,16 +478,13 @@ impl Graph {
         roots: &[Id],
         input: impl Fn(usize) -> Option<Id>,
     ) -> Vec<Id> {
-        let needed = other.unwrap_or(self).needed(roots);
-        let mut copies = Vec::with_capacity(needed.len());
         self.place = None;
-        for &id in &needed {
-            copies.push(match other.unwrap_or(self).node(id) {
-                Node::Input(k) => input(k as usize).unwrap_or_else(|| self.input(k as usize)),
-                node => self.make(node.with_operands(|operand| copies[place(&needed, operand)])),
-            });
-        }
-        roots.iter().map(|&root| copies[place(&needed, root)]).collect()
+        let needed = other.unwrap_or(self).needed(roots);
+        let copies = Values::new(needed, |id, copies| match other.unwrap_or(self).node(id) {
+            Node::Input(k) => input(k as usize).unwrap_or_else(|| self.input(k as usize)),
+            node => self.make(node.with_operands(|operand| copies[operand])),
+        });
+        roots.iter().map(|&root| copies[root]).collect()
     }
 
     /// The roots and what they are made of, operands first.
@@ -506,39 +523,22 @@ impl Graph {
 
     /// The value of each root, on numbers of any type.
     pub fn values<R: Real>(&self, roots: &[Id], input: impl Fn(usize) -> R) -> Vec<R> {
-        let needed = self.needed(roots);
-        let values = self.values_of(&needed, input);
-        roots.iter().map(|&root| values[place(&needed, root)]).collect()
+        let values = self.all_values(roots, input);
+        roots.iter().map(|&root| values[root]).collect()
     }
 
-    /// The value of each expression of a list that [`needed`](Self::needed) gave.
-    pub fn values_of<R: Real>(&self, needed: &[Id], input: impl Fn(usize) -> R) -> Vec<R> {
-        let mut values = Vec::with_capacity(needed.len());
-        for &id in needed {
-            values.push(match self.node(id) {
-                Node::Input(k) => input(k as usize),
-                node => node.with_operands(|of| Id::at(place(needed, of))).value(&values),
-            });
-        }
-        values
+    /// The value of each expression that `roots` use.
+    pub fn all_values<R: Real>(&self, roots: &[Id], input: impl Fn(usize) -> R) -> Values<R> {
+        Values::new(self.needed(roots), |id, values| match self.node(id) {
+            Node::Input(k) => input(k as usize),
+            node => node.value(|operand| values[operand]),
+        })
     }
-}
 
-/// The place of an expression in a list that [`Graph::needed`] gave, which has it.
-pub fn place(needed: &[Id], id: Id) -> usize {
-    // A whole graph has each at its number.
-    if needed.get(id.index()) == Some(&id) {
-        return id.index();
-    }
-    needed.binary_search(&id).expect("what an expression is made of is needed")
-}
-
-/// Products of vectors.
-impl Graph {
     /// u₁v₂ − u₂v₁.
     pub fn minor(&mut self, u: [Id; 2], v: [Id; 2]) -> Id {
-        let (plus, minus) = (self.mul(u[0], v[1]), self.mul(u[1], v[0]));
-        self.sub(plus, minus)
+        let plus = self.mul(u[0], v[1]);
+        self.sub_product(plus, u[1], v[0])
     }
 
     /// u × v.
@@ -546,14 +546,15 @@ impl Graph {
         [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor([u[i], u[j]], [v[i], v[j]]))
     }
 
+    /// The sum of products.
+    pub fn sum(&mut self, products: impl IntoIterator<Item = (Id, Id)>) -> Id {
+        let zero = self.constant(0.0);
+        products.into_iter().fold(zero, |sum, (u, v)| self.add_product(sum, u, v))
+    }
+
     /// Σ uᵢvᵢ.
     pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
-        let mut sum = self.constant(0.0);
-        for (&u, &v) in u.iter().zip(v) {
-            let product = self.mul(u, v);
-            sum = self.add(sum, product);
-        }
-        sum
+        self.sum(u.iter().copied().zip(v.iter().copied()))
     }
 }
 

@@ -76,6 +76,17 @@ fn find<'a, const W: usize>(
     &bank[place.row as usize]
 }
 
+#[inline(always)]
+fn store<const W: usize>(
+    value: [f64; W],
+    to: Place,
+    scratch: &mut [[f64; W]],
+    out: &mut [[f64; W]],
+) {
+    let bank = if to.bank == OUT { out } else { scratch };
+    bank[to.row as usize] = value;
+}
+
 /// Calls `$then!` with every operation: its rows, its numbers, and the value of them.
 macro_rules! operations {
     ($then:ident) => {
@@ -143,14 +154,10 @@ pub fn run<const W: usize>(
             let a = find(from.first(), inputs, scratch, out);
             let (mut sine, mut cosine) = ([0.0; W], [0.0; W]);
             for p in 0..W {
-                let (s, c) = Real::sin_cos(a[p]);
-                sine[p] = s;
-                cosine[p] = c;
+                (sine[p], cosine[p]) = Real::sin_cos(a[p]);
             }
-            let bank = if to.bank == OUT { &mut *out } else { &mut *scratch };
-            bank[to.row as usize] = sine;
-            let bank = if next.to.bank == OUT { &mut *out } else { &mut *scratch };
-            bank[next.to.row as usize] = cosine;
+            store(sine, *to, scratch, out);
+            store(cosine, next.to, scratch, out);
             rest.next();
             continue;
         }
@@ -172,8 +179,7 @@ pub fn run<const W: usize>(
                             $(let $row = $row[p];)*
                             value[p] = $value;
                         }
-                        let bank = if to.bank == OUT { &mut *out } else { &mut *scratch };
-                        bank[to.row as usize] = value;
+                        store(value, *to, scratch, out);
                     })*
                 }
             };

@@ -5,6 +5,7 @@ use crate::{
     graph::{Binary, Graph, Node},
     instruction::Operation::{self, *},
     uniform::Number,
+    values::Values,
 };
 
 /// An operation with the expressions that are its operands.
@@ -31,30 +32,27 @@ impl Joined {
 
 /// For every expression that needs an instruction, its step. A product that one sum uses alone
 /// becomes part of that.
-pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
-    let mut uses = vec![0_u32; graph.size()];
-    outputs.iter().for_each(|output| uses[output.index()] += 2);
-    for id in graph.ids() {
-        graph.node(id).operands().for_each(|operand| uses[operand.index()] += 1);
+pub fn joined(graph: &Graph, outputs: &[Id], uniform: &Values<bool>) -> Values<Option<Joined>> {
+    let mut uses = Values::all(graph, 0);
+    let mut wanted = Values::all(graph, false);
+    for &output in outputs {
+        uses[output] += 2;
+        wanted[output] = true;
     }
-    let mut wanted = vec![false; graph.size()];
-    outputs.iter().for_each(|output| wanted[output.index()] = true);
-    let mut steps = vec![None; graph.size()];
+    graph.ids().flat_map(|id| graph.node(id).operands()).for_each(|operand| uses[operand] += 1);
+    let mut steps = Values::all(graph, None);
     let join = Join { graph, uses, uniform };
     for id in graph.ids().rev() {
-        if wanted[id.index()] {
-            let step = join.step(id);
-            step.iter().flat_map(|step| &step.operands).for_each(|x| wanted[x.index()] = true);
-            steps[id.index()] = step;
-        }
+        steps[id] = wanted[id].then(|| join.step(id)).flatten();
+        steps[id].iter().flat_map(|step| &step.operands).for_each(|&x| wanted[x] = true);
     }
     steps
 }
 
 struct Join<'a> {
     graph: &'a Graph,
-    uses: Vec<u32>,
-    uniform: &'a [bool],
+    uses: Values<u32>,
+    uniform: &'a Values<bool>,
 }
 
 /// A term of a sum: the product of up to two rows and a number.
@@ -64,20 +62,13 @@ struct Term {
 }
 
 impl Join<'_> {
-    /// The operands of a function that is used here alone.
-    fn alone(&self, id: Id, function: Binary) -> Option<(Id, Id)> {
-        match self.graph.node(id) {
-            Node::Binary(found, a, b)
-                if found == function && self.uses[id.index()] == 1 && !self.uniform[id.index()] =>
-            {
-                Some((a, b))
-            }
-            _ => None,
-        }
+    /// Whether an expression is used once, and no number.
+    fn is_alone(&self, id: Id) -> bool {
+        self.uses[id] == 1 && !self.uniform[id]
     }
 
     fn number(&self, id: Id) -> Option<Number> {
-        self.uniform[id.index()].then_some(Number { id: Some(id), negative: false })
+        self.uniform[id].then_some(Number { id: Some(id), negative: false })
     }
 
     /// The factors, if one of them is a number.
@@ -89,7 +80,10 @@ impl Join<'_> {
         if let Some(factor) = self.number(id) {
             return Term { rows: Vec::new(), factor };
         }
-        let product = |id| self.alone(id, Binary::Mul);
+        let product = |id| match self.graph.node(id) {
+            Node::Binary(Binary::Mul, a, b) if self.is_alone(id) => Some((a, b)),
+            _ => None,
+        };
         let scaled = product(id).and_then(|(a, b)| self.scaled(a, b));
         let (id, factor) = scaled.unwrap_or((id, Number::ONE));
         let rows = match product(id) {
@@ -145,13 +139,12 @@ impl Join<'_> {
 
     fn product(&self, a: Id, b: Id) -> Joined {
         let Some((x, k)) = self.scaled(a, b) else { return Mul.on([a, b]) };
-        let of = |function| self.alone(x, function);
-        let inner = match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
-            (Some((a, b)), ..) => self.sum(a, b, false),
-            (_, Some((a, b)), _) => self.sum(a, b, true),
-            (.., Some((a, b))) if self.scaled(a, b).is_none() => Mul.on([a, b]),
-            _ => Scale.on([x]),
+        let takes_factor = match self.graph.node(x) {
+            Node::Binary(Binary::Add | Binary::Sub, ..) => true,
+            Node::Binary(Binary::Mul, a, b) => self.scaled(a, b).is_none(),
+            _ => false,
         };
-        inner.times(k)
+        let inner = if takes_factor && self.is_alone(x) { self.step(x) } else { None };
+        inner.unwrap_or_else(|| Scale.on([x])).times(k)
     }
 }

@@ -20,7 +20,7 @@
 //!
 //! The way through the crate: [`Graph`] (identities, `derivative`) → `compile` (powers written out,
 //! operations joined, rows allocated) → [`Tape`] → `instruction` (loops over rows). [`terms`] and
-//! [`Affine`] take expressions apart.
+//! [`Affine`] take expressions apart, and [`Values`] has something for each of them.
 
 mod affine;
 mod compile;
@@ -31,10 +31,12 @@ mod join;
 mod tape;
 mod terms;
 mod uniform;
+mod values;
 
 pub use affine::{Affine, forms};
-pub use graph::{Binary, Graph, Id, Node, Unary, place};
+pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use instruction::{Instruction, OUT, Place, SCRATCH};
 pub use tape::Tape;
 pub use terms::{Weighted, terms};
 pub use uniform::Numbers;
+pub use values::Values;

@@ -4,7 +4,11 @@ use std::collections::{HashMap, hash_map::Entry};
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{
+        Binary::{Add, Mul, Sub},
+        Graph, Node,
+        Unary::Neg,
+    },
 };
 
 /// A term with its weight.
@@ -17,13 +21,13 @@ pub fn terms(graph: &mut Graph, h: &[Weighted]) -> Vec<Weighted> {
     let mut open: Vec<Weighted> = h.iter().rev().copied().collect();
     while let Some((id, weight)) = open.pop() {
         match graph.node(id) {
-            Node::Binary(Binary::Add, a, b) => open.extend([(b, weight), (a, weight)]),
-            Node::Binary(Binary::Sub, a, b) => {
+            Node::Binary(Add, a, b) => open.extend([(b, weight), (a, weight)]),
+            Node::Binary(Sub, a, b) => {
                 let negative = graph.neg(weight);
                 open.extend([(b, negative), (a, weight)]);
             }
-            Node::Unary(Unary::Neg, a) => open.push((a, graph.neg(weight))),
-            Node::Binary(Binary::Mul, a, c) if graph.as_constant(c).is_some() => {
+            Node::Unary(Neg, a) => open.push((a, graph.neg(weight))),
+            Node::Binary(Mul, a, c) if graph.as_constant(c).is_some() => {
                 open.push((a, graph.mul(weight, c)));
             }
             _ => match places.entry(id) {

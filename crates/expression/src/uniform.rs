@@ -1,10 +1,11 @@
 //! The numbers of a tape: what is the same at all points.
 
-use std::ops::Range;
+use std::{collections::HashSet, ops::Range};
 
 use crate::{
     Id,
     graph::{Graph, Node},
+    values::Values,
 };
 
 /// Constants, uniform inputs, and what is computed from these alone: once, and not at every point.
@@ -20,35 +21,35 @@ pub struct Numbers {
 }
 
 /// The place of one among the numbers.
-pub const ONE: u32 = 0;
+pub const ONE: usize = 0;
 
 impl Numbers {
     /// Takes these expressions of a graph, and what they are computed from. Also gives the place of
     /// each expression.
-    pub fn new(graph: &Graph, inputs: &Range<usize>, taken: &[Id]) -> (Self, Vec<u32>) {
+    pub fn new(graph: &Graph, inputs: &Range<usize>, taken: &[Id]) -> (Self, Values<usize>) {
         let values = [1.0, -1.0].repeat(1 + inputs.len());
         let mut numbers = Self { values, computed: Vec::new(), inputs: inputs.len() };
-        let (mut places, mut varies) = (vec![ONE; graph.size()], vec![false; graph.size()]);
-        for id in graph.needed(taken) {
-            let (index, node, place) = (id.index(), graph.node(id), numbers.values.len());
+        let mut varies = HashSet::new();
+        let places = Values::new(graph.needed(taken), |id, places| {
+            let (node, place) = (graph.node(id), numbers.values.len());
             if let Node::Input(k) = node {
-                (places[index], varies[index]) = (2 * (1 + k - inputs.start as u32), true);
-                continue;
+                varies.insert(id);
+                return 2 * (1 + k as usize - inputs.start);
             }
-            (places[index], varies[index]) =
-                (place as u32, node.operands().any(|operand| varies[operand.index()]));
-            let node = node.with_operands(|operand| Id::at(places[operand.index()] as usize));
+            let computed = node.with_operands(|operand| Id::at(places[operand]));
             numbers.values.extend([0.0; 2]);
-            numbers.compute(place, node);
-            if varies[index] {
-                numbers.computed.push((place, node));
+            numbers.compute(place, computed);
+            if node.operands().any(|operand| varies.contains(&operand)) {
+                varies.insert(id);
+                numbers.computed.push((place, computed));
             }
-        }
+            place
+        });
         (numbers, places)
     }
 
     fn compute(&mut self, place: usize, node: Node) {
-        let value = node.value(&self.values);
+        let value = node.value(|id| self.values[id.index()]);
         (self.values[place], self.values[place + 1]) = (value, -value);
     }
 
@@ -76,15 +77,11 @@ impl Numbers {
 }
 
 /// For every expression, whether it is a constant or computed from these inputs alone.
-pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
-    let mut uniform = vec![false; graph.size()];
-    for id in graph.ids() {
-        uniform[id.index()] = match graph.node(id) {
-            Node::Input(k) => inputs.contains(&(k as usize)),
-            node => node.operands().all(|operand| uniform[operand.index()]),
-        };
-    }
-    uniform
+pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Values<bool> {
+    Values::new(graph.ids().collect(), |id, uniform| match graph.node(id) {
+        Node::Input(k) => inputs.contains(&(k as usize)),
+        node => node.operands().all(|operand| uniform[operand]),
+    })
 }
 
 /// An expression, or one, as a number of a tape, or minus this.

@@ -44,7 +44,8 @@ pub struct FormulaDamping {
     rule: Rule,
     /// Whether the rule is exact.
     exact: bool,
-    closed: Option<ClosedIntegral>,
+    /// The terms, if the integral has a closed form without cancellation.
+    closed: Option<Vec<Term>>,
 }
 
 impl FormulaDamping {
@@ -58,7 +59,7 @@ impl FormulaDamping {
         let degree = formula.degree(&[0]).map(|degree| nodes_for_degree(degree as usize));
         let exact = degree.filter(|&nodes| nodes <= NODES);
         let rule = Rule::new(exact.unwrap_or(NODES).max(1)).expect("a rule has a node or more");
-        let closed = ClosedIntegral::of(&formula);
+        let closed = closed_terms(&formula);
         Self { formula, rule, exact: exact.is_some(), closed }
     }
 
@@ -108,7 +109,10 @@ impl Damping for FormulaDamping {
 
     fn integral(&self, a: f64, b: f64) -> f64 {
         match &self.closed {
-            Some(closed) => closed.integral(a, b),
+            Some(terms) => {
+                let (middle, length) = (0.5 * (a + b), b - a);
+                length * terms.iter().map(|term| term.mean(middle, length)).sum::<f64>()
+            }
             // Nothing is known of the whole.
             None => self.refined(a, b, f64::NAN, HALVINGS + 1, &mut (BUDGET + 1)),
         }
@@ -128,37 +132,12 @@ enum Term {
     Wave(Unary, f64, [f64; 2]),
 }
 
-/// A function of t whose integral has a closed form without cancellation.
-#[derive(Clone, Debug, PartialEq)]
-struct ClosedIntegral(Vec<Term>);
-
-impl ClosedIntegral {
-    /// Closed integral of a formula in one variable, if each of its terms is of degree 1, or a
-    /// constant times sin, cos or exp of such a term.
-    fn of(formula: &Formula) -> Option<Self> {
-        let mut graph = formula.graph.clone();
-        let one = graph.constant(1.0);
-        let parts = terms(&mut graph, &[(formula.root, one)]);
-        let mut closed = Vec::new();
-        for (part, weight) in parts {
-            let weight = graph.as_constant(weight)?;
-            closed.push(match (line(&mut graph, part), graph.node(part)) {
-                (Some(line), _) => Term::Line(line.map(|c| weight * c)),
-                (None, Node::Unary(f @ (Unary::Sin | Unary::Cos | Unary::Exp), angle)) => {
-                    Term::Wave(f, weight, line(&mut graph, angle)?)
-                }
-                _ => return None,
-            });
-        }
-        Some(Self(closed))
-    }
-
-    /// The integral from a to b.
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        let (middle, length) = (0.5 * (a + b), b - a);
-        let mean = |term: &Term| match *term {
-            Term::Line([c0, c1]) => c0 + c1 * middle,
-            Term::Wave(f, factor, [phase, rate]) => {
+impl Term {
+    /// The mean over an interval.
+    fn mean(&self, middle: f64, length: f64) -> f64 {
+        match *self {
+            Self::Line([c0, c1]) => c0 + c1 * middle,
+            Self::Wave(f, factor, [phase, rate]) => {
                 let (angle, half) = (phase + rate * middle, 0.5 * rate * length);
                 factor
                     * match f {
@@ -167,9 +146,27 @@ impl ClosedIntegral {
                         _ => exp(angle) * sinhc(half),
                     }
             }
-        };
-        length * self.0.iter().map(mean).sum::<f64>()
+        }
     }
+}
+
+/// The terms of a formula in one variable, if each is of degree 1, or a constant times sin, cos or
+/// exp of such a term.
+fn closed_terms(formula: &Formula) -> Option<Vec<Term>> {
+    let mut graph = formula.graph.clone();
+    let one = graph.constant(1.0);
+    let parts = terms(&mut graph, &[(formula.root, one)]).into_iter();
+    let term = |(part, weight)| {
+        let weight = graph.as_constant(weight)?;
+        match (line(&mut graph, part), graph.node(part)) {
+            (Some(line), _) => Some(Term::Line(line.map(|c| weight * c))),
+            (None, Node::Unary(f @ (Unary::Sin | Unary::Cos | Unary::Exp), angle)) => {
+                Some(Term::Wave(f, weight, line(&mut graph, angle)?))
+            }
+            _ => None,
+        }
+    };
+    parts.map(term).collect()
 }
 
 /// Coefficients c₀ and c₁ of an expression c₀ + c₁t.

@@ -2,12 +2,10 @@
 
 use std::{collections::BTreeSet, slice::from_ref, sync::Arc};
 
-use expression::place;
+use expression::Values;
 use real::Row;
 
-use expression::Unary;
-
-use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
+use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, Unary, parse};
 
 /// A formula in named variables.
 ///
@@ -70,19 +68,15 @@ impl Formula {
     #[must_use]
     pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
         assert_eq!(point.len(), self.variables.len(), "numbers of a point");
-        let (graph, root) = (&self.graph, self.root);
-        let needed = graph.needed(&[root]);
-        let values = graph.values_of(&needed, |k| point[k]);
-        let of = |id| values[place(&needed, id)];
-        if of(root).is_finite() {
+        let values = self.graph.all_values(&[self.root], |k| point[k]);
+        if values[self.root].is_finite() {
             return None;
         }
-        let id = needed.iter().copied().find(|&id| !of(id).is_finite())?;
-        let operands = graph.node(id).operands().map(|operand| of(operand).to_string());
+        let id = *values.ids().iter().find(|&&id| !values[id].is_finite())?;
+        let operands = self.graph.node(id).operands().map(|operand| values[operand].to_string());
         let operands = operands.collect::<Vec<_>>().join(" and ");
         let of_them = if operands.is_empty() { "" } else { " for " };
-        let message = format!("this is {}{of_them}{operands}", of(id));
-        Some(self.error_at(id, message))
+        Some(self.error_at(id, format!("this is {}{of_them}{operands}", values[id])))
     }
 
     /// The values at 32 points, with a row for each variable. For formulas that are evaluated now
@@ -114,14 +108,12 @@ impl Formula {
     /// Whether the formula is a condition: one where something is true, else zero.
     #[must_use]
     pub fn is_condition(&self) -> bool {
-        let mut is_truth = vec![false; self.graph.size()];
-        for id in self.graph.ids() {
-            is_truth[id.index()] = match self.graph.node(id) {
-                Node::Where([.., a, b]) => is_truth[a.index()] && is_truth[b.index()],
-                _ => self.graph.as_constant(id).is_some_and(|value| value == 0.0 || value == 1.0),
-            };
-        }
-        is_truth[self.root.index()]
+        let needed = self.graph.needed(&[self.root]);
+        let is_truth = Values::new(needed, |id, is_truth| match self.graph.node(id) {
+            Node::Where([.., a, b]) => is_truth[a] && is_truth[b],
+            _ => self.graph.as_constant(id).is_some_and(|value| value == 0.0 || value == 1.0),
+        });
+        is_truth[self.root]
     }
 
     /// A formula that is positive where this condition is true and negative where it is false: a −
@@ -138,12 +130,9 @@ impl Formula {
     /// Whether the formula has `abs`, `min` or `max` of variables.
     #[must_use]
     pub fn has_kinks(&self) -> bool {
-        let is_kink = |id| match self.graph.node(id) {
-            Node::Unary(Unary::Abs, _) => true,
-            Node::Binary(function, ..) => matches!(function, Binary::Min | Binary::Max),
-            _ => false,
-        };
-        self.graph.needed(&[self.root]).into_iter().any(is_kink)
+        use {Binary::*, Unary::*};
+        let is_kink = |node| matches!(node, Node::Unary(Abs, _) | Node::Binary(Min | Max, ..));
+        self.graph.uses(&[self.root], is_kink)
     }
 
     /// Whether there are conditions in the formula, so that it may jump.
@@ -171,11 +160,7 @@ impl Formula {
     #[must_use]
     pub fn reads(&self) -> BTreeSet<usize> {
         let needed = self.graph.needed(&[self.root]).into_iter();
-        let number = |id| match self.graph.node(id) {
-            Node::Input(k) => Some(k as usize),
-            _ => None,
-        };
-        needed.filter_map(number).collect()
+        needed.filter_map(|id| self.graph.as_input(id)).collect()
     }
 }
 

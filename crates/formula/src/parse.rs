@@ -46,13 +46,21 @@ const POWER: u32 = 7;
 /// # Errors
 /// [`FormulaError`] with the place in the text and what would be right.
 pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, FormulaError> {
-    let (conditions, indices) = (HashSet::new(), Vec::new());
-    let mut parser =
-        Parser { text, names, graph, at: 0, last: "", depth: 0, conditions, indices, terms: 0 };
+    let mut parser = Parser {
+        text,
+        names,
+        graph,
+        at: 0,
+        last: "",
+        depth: 0,
+        conditions: HashSet::new(),
+        indices: Vec::new(),
+        terms: 0,
+    };
     let bytes = text.len();
     if bytes > MAX_BYTES {
-        let message = format!("the formula has {bytes} bytes, and at most {MAX_BYTES} are allowed");
-        return parser.error(message, 0..0);
+        let many = format!("the formula has {bytes} bytes, and at most {MAX_BYTES} are allowed");
+        return parser.error(many, 0..0);
     }
     if text.trim().is_empty() {
         return parser.error("the formula is empty: write a number or an expression", 0..0);
@@ -169,10 +177,10 @@ impl<'a> Parser<'a> {
         const MISSING: &str = "a number, a name or a bracket is missing";
         let (token, last) = (self.token(), self.last);
         let is_word = |c: char| is_letter(c) || c.is_ascii_digit() || c == '.';
-        let shown = |word: &str| match word {
-            "(" | ")" => "(…)".to_owned(),
-            _ if word.chars().count() > 20 => "…".to_owned(),
-            _ => word.to_owned(),
+        let shown = |word: &'a str| match word {
+            "(" | ")" => "(…)",
+            _ if word.chars().count() > 20 => "…",
+            _ => word,
         };
         let message = match token.chars().next() {
             None => format!("{MISSING} at the end"),
@@ -254,13 +262,11 @@ impl<'a> Parser<'a> {
 
     /// Demands a number.
     fn number(&self, (ids, span): Placed) -> Parsed<Number> {
+        const VECTOR: &str = "this is a vector, where a number is wanted: write one of its \
+                              components, or dot(a, b)";
         match ids[..] {
             [id] => Ok((id, span)),
-            _ => {
-                let message = "this is a vector, where a number is wanted: write one of its \
-                               components, or dot(a, b)";
-                self.error(message, span)
-            }
+            _ => self.error(VECTOR, span),
         }
     }
 
@@ -287,10 +293,9 @@ impl<'a> Parser<'a> {
     /// The first expression where a condition is true, else the second; a condition if both are.
     fn chosen(&mut self, condition: Id, of: [Id; 2], span: Range<usize>) -> Parsed {
         let truths = self.truths();
-        let [a, b] = of;
         let chosen = self.alone(span, |graph| {
             let half = graph.constant(0.5);
-            graph.where_less(half, condition, a, b)
+            graph.where_less(half, condition, of[0], of[1])
         })?;
         if of.iter().all(|id| truths.contains(id) || self.conditions.contains(id)) {
             self.conditions.insert(chosen.0[0]);
@@ -320,8 +325,8 @@ impl<'a> Parser<'a> {
     /// An expression in one more bracket, sign or power.
     fn deeper(&mut self, least: u32) -> Parsed {
         if self.depth == MAX_DEPTH {
-            let message = format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}");
-            return self.error(message, self.place());
+            let deep = format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}");
+            return self.error(deep, self.place());
         }
         self.depth += 1;
         let inner = self.expression(least);
@@ -430,8 +435,8 @@ impl<'a> Parser<'a> {
             return self.error(FORM, place);
         }
         if self.names.meaning(index).is_some() || self.indices.iter().any(|(i, _)| *i == index) {
-            let message = format!("`{index}` has a meaning already: choose another index");
-            return self.error(message, place);
+            let known = format!("`{index}` has a meaning already: choose another index");
+            return self.error(known, place);
         }
         self.skip(index);
         self.expect("in", FORM)?;
@@ -447,8 +452,7 @@ impl<'a> Parser<'a> {
         for k in first..=last {
             self.terms += 1;
             if self.terms > MAX_TERMS {
-                let message = format!("the sums have more than {MAX_TERMS} terms");
-                return self.error(message, at);
+                return self.error(format!("the sums have more than {MAX_TERMS} terms"), at);
             }
             self.at = begin;
             self.indices.push((index, k));
@@ -462,7 +466,7 @@ impl<'a> Parser<'a> {
         }
         let end = self.place().end;
         self.expect(")", "this sum is not closed: `)` is missing")?;
-        Ok((sum.map_or_else(Vec::new, |(ids, _)| ids), at.start..end))
+        Ok((sum.unwrap_or_default().0, at.start..end))
     }
 
     /// Goes behind a token that must stand here.
@@ -473,31 +477,6 @@ impl<'a> Parser<'a> {
                 Ok(())
             }
             _ => self.error(message, self.place()),
-        }
-    }
-
-    fn of_vectors(
-        &mut self,
-        function: OfVectors,
-        a: &[Id],
-        b: &[Id],
-        span: Range<usize>,
-    ) -> Parsed {
-        match function {
-            _ if a.len() != b.len() => {
-                let (a, b) = (a.len(), b.len());
-                self.error(format!("these vectors have {a} and {b} components"), span)
-            }
-            OfVectors::Cross if a.len() != 3 => {
-                let message = format!("a cross product is of three components, got {}", a.len());
-                self.error(message, span)
-            }
-            OfVectors::Cross => Ok((self.graph.cross(a, b).to_vec(), span)),
-            OfVectors::Dot => self.alone(span, |graph| graph.dot(a, b)),
-            OfVectors::Norm => self.alone(span, |graph| {
-                let square = graph.dot(a, b);
-                graph.unary(Unary::Sqrt, square)
-            }),
         }
     }
 
@@ -514,19 +493,32 @@ impl<'a> Parser<'a> {
         let (span, found) = (at.start..end, arguments.len());
         if found != expected {
             let s = if expected == 1 { "" } else { "s" };
-            let message = format!("`{function}` takes {expected} argument{s}, got {found}");
-            return self.error(message, span);
+            let wrong = format!("`{function}` takes {expected} argument{s}, got {found}");
+            return self.error(wrong, span);
         }
         if let Some(Meaning::OfVectors(of)) = meaning {
-            return self.of_vectors(*of, &arguments[0].0, &arguments[expected - 1].0, span);
+            let (a, b) = (&arguments[0].0, &arguments[expected - 1].0);
+            return match (of, a.len(), b.len()) {
+                (_, m, n) if m != n => {
+                    self.error(format!("these vectors have {m} and {n} components"), span)
+                }
+                (OfVectors::Cross, 3, _) => Ok((self.graph.cross(a, b).to_vec(), span)),
+                (OfVectors::Cross, m, _) => {
+                    self.error(format!("a cross product is of three components, got {m}"), span)
+                }
+                (OfVectors::Dot, ..) => self.alone(span, |graph| graph.dot(a, b)),
+                (OfVectors::Norm, ..) => self.alone(span, |graph| {
+                    let square = graph.dot(a, b);
+                    graph.unary(Unary::Sqrt, square)
+                }),
+            };
         }
         let number = |(k, argument)| match (expected, k) {
             (3, 0) => self.condition(argument),
             _ => self.number(argument),
         };
-        let numbers = arguments.into_iter().enumerate().map(number);
-        let numbers: Vec<Id> = numbers.map(|number| Ok(number?.0)).collect::<Parsed<_>>()?;
-        match (meaning, &numbers[..]) {
+        let numbers = arguments.into_iter().enumerate().map(|of| Ok(number(of)?.0));
+        match (meaning, &numbers.collect::<Parsed<Vec<Id>>>()?[..]) {
             (Some(Meaning::Unary(unary)), &[a]) => self.alone(span, |graph| graph.unary(*unary, a)),
             (Some(Meaning::Binary(binary)), &[a, b]) => {
                 self.alone(span, |graph| graph.binary(*binary, a, b))
@@ -551,31 +543,24 @@ impl<'a> Parser<'a> {
 
     fn combined(&mut self, operator: &str, (a, left): Placed, (b, right): Placed) -> Parsed {
         let span = left.start..right.end;
-        let fits = match operator {
-            "+" | "-" => a.len() == b.len(),
-            "*" => a.len() == 1 || b.len() == 1,
-            "/" => b.len() == 1,
-            _ => a.len() == 1 && b.len() == 1,
+        let kind = |count| match count {
+            1 => "a number".to_owned(),
+            _ => format!("a vector of {count}"),
         };
-        if !fits {
-            let message = match operator {
-                "+" | "-" => {
-                    let kind = |ids: &[Id]| match ids.len() {
-                        1 => "a number".to_owned(),
-                        count => format!("a vector of {count}"),
-                    };
-                    format!("{} {operator} {} has no meaning", kind(&a), kind(&b))
-                }
-                _ => "a product of vectors is dot(a, b) or cross(a, b)".into(),
-            };
-            return self.error(message, span);
+        match (operator, a.len(), b.len()) {
+            ("+" | "-", m, n) if m != n => {
+                let wrong = format!("{} {operator} {} has no meaning", kind(m), kind(n));
+                return self.error(wrong, span);
+            }
+            ("/", _, 1) if self.graph.is_zero(b[0]) => {
+                return self.error("division by zero", right);
+            }
+            ("+" | "-", ..) | ("*", 1, _) | ("*" | "/", _, 1) | (_, 1, 1) => {}
+            _ => return self.error("a product of vectors is dot(a, b) or cross(a, b)", span),
         }
-        if operator == "/" && self.graph.is_zero(b[0]) {
-            return self.error("division by zero", right);
-        }
-        let pairs: Vec<(Id, Id)> = (0..a.len().max(b.len()))
-            .map(|k| (a[k.min(a.len() - 1)], b[k.min(b.len() - 1)]))
-            .collect();
+        let of = |ids: &[Id], k: usize| ids[k.min(ids.len() - 1)];
+        let pairs = (0..a.len().max(b.len())).map(|k| (of(&a, k), of(&b, k)));
+        let pairs: Vec<(Id, Id)> = pairs.collect();
         self.each(&pairs, span, |graph, (a, b)| match operator {
             "+" => graph.add(a, b),
             "-" => graph.sub(a, b),

@@ -1,10 +1,10 @@
 //! Expressions as text.
 
 use expression::{
-    Binary::{Add, Div, Max, Min, Mul, Sub},
+    Binary::{Div, Max, Min, Mul, Sub},
     Graph, Id, Node,
     Unary::Neg,
-    place,
+    Values,
 };
 
 /// Parts whose text is longer are not written out: shared ones may make an endless text.
@@ -19,33 +19,41 @@ pub enum Binding {
     Whole,
 }
 
+/// An expression in words.
+struct Words {
+    text: String,
+    binding: Binding,
+    /// Its constant, and the text of its other factors, which is empty if there are none.
+    factors: (f64, String),
+}
+
+impl Words {
+    /// The text, in parentheses if it binds less than `least`.
+    fn within(&self, least: Binding) -> String {
+        let text = &self.text;
+        if self.binding < least { format!("({text})") } else { text.clone() }
+    }
+}
+
 /// An expression in named inputs, in parentheses if it binds less than `least`; `…` where it is
 /// long.
 pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String {
     use Binding::{Power, Product, Sum, Whole};
-    let needed = graph.needed(&[root]);
-    let mut texts: Vec<(String, Binding)> = Vec::with_capacity(needed.len());
-    let mut products: Vec<(f64, String)> = Vec::with_capacity(needed.len());
-    let write = |texts: &[(String, Binding)], id: Id, least: Binding| {
-        let (text, binding) = &texts[place(&needed, id)];
-        if *binding < least { format!("({text})") } else { text.clone() }
-    };
-    for &id in &needed {
-        let of = |id, least| write(&texts, id, least);
-        // A product as its constant and its other factors.
-        let factors = match graph.node(id) {
+    let words = Values::new(graph.needed(&[root]), |id, words: &Values<Words>| {
+        let (node, of) = (graph.node(id), |id, least| words[id].within(least));
+        let factors = match node {
             Node::Constant(bits) => Some((f64::from_bits(bits), String::new())),
             Node::Unary(Neg, a) => {
-                let (c, x) = &products[place(&needed, a)];
+                let (c, x) = &words[a].factors;
                 Some((-c, x.clone()))
             }
             Node::Binary(Mul, a, b) => {
-                let [(c, x), (d, y)] = [a, b].map(|id| &products[place(&needed, id)]);
+                let [(c, x), (d, y)] = [a, b].map(|id| &words[id].factors);
                 let gap = if x.is_empty() || y.is_empty() { "" } else { " " };
                 Some((c * d, format!("{x}{gap}{y}")))
             }
             Node::Binary(Div, a, b) => {
-                let ((c, x), below) = (&products[place(&needed, a)], of(b, Power));
+                let ((c, x), below) = (&words[a].factors, of(b, Power));
                 Some(match x.is_empty() {
                     true => (c.signum(), format!("{}/{below}", number(c.abs()))),
                     false => (*c, format!("{x}/{below}")),
@@ -53,37 +61,34 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
             }
             _ => None,
         };
-        // a + b, or a − b, with the sign of b.
-        let sum = |a, b: Id, minus: bool| {
-            let (c, x) = &products[place(&needed, b)];
-            let sign = if (*c < 0.0) != minus { " - " } else { " + " };
-            let b = product(&(c.abs(), x.clone())).0;
-            (format!("{}{sign}{b}", of(a, Sum)), Sum)
-        };
         let two = |a, b, between: &str| format!("{}{between}{}", of(a, Sum), of(b, Sum));
-        let (text, binding) = match (graph.node(id), &factors) {
+        let (text, binding) = match (node, &factors) {
             (_, Some(factors)) => product(factors),
             (Node::Input(k), _) => (names[k as usize].clone(), Whole),
             (Node::Unary(function, a), _) => (format!("{function}({})", of(a, Sum)), Whole),
-            (Node::Binary(function @ (Add | Sub), a, b), _) => sum(a, b, function == Sub),
-            (Node::Binary(function @ (Min | Max), a, b), _) => {
-                let name = if function == Min { "min" } else { "max" };
-                (format!("{name}({})", two(a, b, ", ")), Whole)
+            (Node::Binary(Min, a, b), _) => (format!("min({})", two(a, b, ", ")), Whole),
+            (Node::Binary(Max, a, b), _) => (format!("max({})", two(a, b, ", ")), Whole),
+            (Node::Binary(function, a, b), _) => {
+                // a + b, or a − b, with the sign of b.
+                let (c, x) = &words[b].factors;
+                let sign = if (*c < 0.0) != (function == Sub) { " - " } else { " + " };
+                let b = product(&(c.abs(), x.clone())).0;
+                (format!("{}{sign}{b}", of(a, Sum)), Sum)
             }
             (Node::Power(a, n), _) => (format!("{}^{n}", of(a, Whole)), Power),
             (Node::Where([x, y, a, b]), _) => {
                 (format!("(if {}: {})", two(x, y, " < "), two(a, b, " else ")), Whole)
             }
-            (Node::Constant(_) | Node::Binary(..), None) => unreachable!("it has factors"),
+            (Node::Constant(_), None) => unreachable!("it has factors"),
         };
         let is_long = text.chars().count() > LONGEST;
-        texts.push(if is_long { ("(…)".into(), Whole) } else { (text, binding) });
-        products.push(match factors {
-            Some(factors) if !is_long => factors,
-            _ => (1.0, write(&texts, id, Product)),
-        });
-    }
-    write(&texts, root, least)
+        let (text, binding) = if is_long { ("(…)".into(), Whole) } else { (text, binding) };
+        let mut words = Words { text, binding, factors: (1.0, String::new()) };
+        words.factors =
+            factors.filter(|_| !is_long).unwrap_or_else(|| (1.0, words.within(Product)));
+        words
+    });
+    words[root].within(least)
 }
 
 /// The text of c·x from c and the text of x, which is empty if it is one.

@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Degree, Real, operator::operator};
+use crate::{Degree, Real, operator::operators};
 
 /// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
 /// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
@@ -99,29 +99,15 @@ impl Bounded {
     fn is_zero(self) -> bool {
         self.value == 0.0 && self.error == 0.0
     }
-}
 
-operator!([] Bounded: Add::add(a, b: Self)
-    => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree));
-operator!([] Bounded: Sub::sub(a, b: Self) => a + -b);
-operator!([] Bounded: Neg::neg(a) => Self { value: -a.value, ..a });
-operator!([] Bounded: Add::add(a, b: f64) => a + Self::constant(b));
-operator!([] Bounded: Sub::sub(a, b: f64) => a - Self::constant(b));
-operator!([] Bounded: Mul::mul(a, b: f64) => a * Self::constant(b));
-operator!([] Bounded: Div::div(a, b: f64) => a / Self::constant(b));
-
-impl Mul for Bounded {
-    type Output = Self;
-    fn mul(self, b: Self) -> Self {
+    // Too long to be part of every formula.
+    fn product(self, b: Self) -> Self {
         let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
         let product = Self::rounded(self.value * b.value, error, self.degree * b.degree);
         if self.is_zero() || b.is_zero() { product } else { product.underflow() }
     }
-}
 
-impl Div for Bounded {
-    type Output = Self;
-    fn div(self, b: Self) -> Self {
+    fn quotient(self, b: Self) -> Self {
         let value = self.value / b.value;
         // Not by a number that may be zero.
         let least = (b.value.abs() - b.error).max(0.0);
@@ -129,6 +115,19 @@ impl Div for Bounded {
         let quotient = Self::rounded(value, error, self.degree / b.degree);
         if self.is_zero() { quotient } else { quotient.underflow() }
     }
+}
+
+operators! { [] Bounded:
+    Add::add(a, b: Self)
+        => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree);
+    Sub::sub(a, b: Self) => a + -b;
+    Mul::mul(a, b: Self) => a.product(b);
+    Div::div(a, b: Self) => a.quotient(b);
+    Neg::neg(a) => Self { value: -a.value, ..a };
+    Add::add(a, b: f64) => a + Self::constant(b);
+    Sub::sub(a, b: f64) => a - Self::constant(b);
+    Mul::mul(a, b: f64) => a * Self::constant(b);
+    Div::div(a, b: f64) => a / Self::constant(b);
 }
 
 impl Real for Bounded {

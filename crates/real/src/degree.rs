@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{
+    Real,
+    operator::{functions, operators},
+};
 
 /// A bound of the degree of a polynomial, found by evaluating its formula: sums take the larger
 /// degree, products add them.
@@ -56,50 +59,35 @@ impl Degree {
     }
 }
 
-operator!([] Degree: Add::add(a, b: Self) => a.larger(b));
-operator!([] Degree: Sub::sub(a, b: Self) => a.larger(b));
-operator!([] Degree: Mul::mul(a, b: Self) => Self(a.0.saturating_add(b.0)));
-operator!([] Degree: Div::div(a, b: Self) => if b.0 == 0 { a } else { Self::NONE });
-operator!([] Degree: Neg::neg(a) => a);
-operator!([] Degree: Add::add(a, _b: f64) => a);
-operator!([] Degree: Sub::sub(a, _b: f64) => a);
-operator!([] Degree: Mul::mul(a, _b: f64) => a);
-operator!([] Degree: Div::div(a, _b: f64) => a);
+operators! { [] Degree:
+    Add::add(a, b: Self) => a.larger(b);
+    Sub::sub(a, b: Self) => a.larger(b);
+    Mul::mul(a, b: Self) => Self(a.0.saturating_add(b.0));
+    Div::div(a, b: Self) => if b.0 == 0 { a } else { Self::NONE };
+    Neg::neg(a) => a;
+    Add::add(a, _b: f64) => a;
+    Sub::sub(a, _b: f64) => a;
+    Mul::mul(a, _b: f64) => a;
+    Div::div(a, _b: f64) => a;
+}
 
 impl Real for Degree {
     const DEPTH: u32 = 0;
-    #[inline(always)]
-    fn constant(_: f64) -> Self {
-        Self::CONSTANT
+    functions! {
+        constant(_x: f64) => Self::CONSTANT;
+        exp(a) => a.function();
+        ln(a) => a.function();
+        sqrt(a) => a.function();
+        sinc(a) => a.function();
+        select(_condition: bool, a: Self, b: Self) => a.larger(b);
+        // None if the condition varies, since pieces are not a polynomial.
+        where_less(x: Self, y: Self, a: Self, b: Self) => {
+            if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }
+        };
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         (self.function(), self.function())
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        self.function()
-    }
-    #[inline(always)]
-    fn select(_condition: bool, a: Self, b: Self) -> Self {
-        a.larger(b)
-    }
-    /// Degree of a choice: none if the condition varies, since pieces are not a polynomial.
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }
     }
 }
 

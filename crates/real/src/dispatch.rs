@@ -71,6 +71,8 @@ pub enum Simd {
 }
 
 impl Simd {
+    const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
+
     /// The levels that kernels are compiled for, the narrowest first.
     ///
     /// Debug builds, as for `cargo test`, have one alone: that of the machine which builds them, up
@@ -80,7 +82,7 @@ impl Simd {
     } else if cfg!(debug_assertions) {
         &[Self::Baseline]
     } else {
-        &[Self::Baseline, Self::Avx2, Self::Avx512]
+        &Self::ALL
     };
 
     /// The widest level that this machine supports and [`limit_to`] allows.
@@ -109,11 +111,7 @@ impl Simd {
     }
 
     fn limit() -> Self {
-        match LIMIT.load(Ordering::Relaxed) {
-            0 => Self::Baseline,
-            1 => Self::Avx2,
-            _ => Self::Avx512,
-        }
+        Self::ALL[usize::from(LIMIT.load(Ordering::Relaxed))]
     }
 
     /// The name used in reports: `avx512`, `avx2` or `baseline`.

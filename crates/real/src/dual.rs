@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{
+    Real,
+    operator::{functions, operators},
+};
 
 /// The dual number value + derivative·ε with ε² = 0, for forward differentiation. A nested
 /// `Dual<Dual<f64>>` gives second derivatives.
@@ -118,75 +121,58 @@ impl<R: Real, V: Variation> DualNumber<R, V> {
     }
 }
 
-operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: Self)
-    => a.and(b, a.value + b.value, a.slope + b.slope, a.slope, b.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: Self)
-    => a.and(b, a.value - b.value, a.slope - b.slope, a.slope, -b.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: Self) => {
-    let (mine, other) = (a.slope * b.value, a.value * b.slope);
-    a.and(b, a.value * b.value, mine + other, mine, other)
-});
-operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: Self) => {
-    let quotient = a.value / b.value;
-    let other = quotient * b.slope;
-    let numerator = a.and(b, quotient, a.slope - other, a.slope, -other);
-    Self { slope: numerator.slope / b.value, ..numerator }
-});
-operator!([R: Real, V: Variation] DualNumber<R, V>: Neg::neg(a) => a.with(-a.value, -a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: f64)
-    => a.with(a.value + b, a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: f64)
-    => a.with(a.value - b, a.slope));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: f64)
-    => a.with(a.value * b, a.slope * b));
-operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: f64)
-    => a.with(a.value / b, a.slope / b));
+operators! { [R: Real, V: Variation] DualNumber<R, V>:
+    Add::add(a, b: Self) => a.and(b, a.value + b.value, a.slope + b.slope, a.slope, b.slope);
+    Sub::sub(a, b: Self) => a.and(b, a.value - b.value, a.slope - b.slope, a.slope, -b.slope);
+    Mul::mul(a, b: Self) => {
+        let (mine, other) = (a.slope * b.value, a.value * b.slope);
+        a.and(b, a.value * b.value, mine + other, mine, other)
+    };
+    Div::div(a, b: Self) => {
+        let quotient = a.value / b.value;
+        let other = quotient * b.slope;
+        let numerator = a.and(b, quotient, a.slope - other, a.slope, -other);
+        Self { slope: numerator.slope / b.value, ..numerator }
+    };
+    Neg::neg(a) => a.with(-a.value, -a.slope);
+    Add::add(a, b: f64) => a.with(a.value + b, a.slope);
+    Sub::sub(a, b: f64) => a.with(a.value - b, a.slope);
+    Mul::mul(a, b: f64) => a.with(a.value * b, a.slope * b);
+    Div::div(a, b: f64) => a.with(a.value / b, a.slope / b);
+}
 
 impl<R: Real, V: Variation> Real for DualNumber<R, V> {
     const DEPTH: u32 = R::DEPTH + V::DEPTH;
-    #[inline(always)]
-    fn constant(x: f64) -> Self {
-        Self::fixed(R::constant(x))
+    functions! {
+        constant(x: f64) => Self::fixed(R::constant(x));
+        exp(a) => {
+            let exp = a.value.exp();
+            a.chain(exp, exp)
+        };
+        ln(a) => a.chain(a.value.ln(), a.value.recip());
+        sqrt(a) => {
+            let root = a.value.sqrt();
+            a.chain(root, (root + root).recip())
+        };
+        sinc(a) => {
+            let sinc = a.value.sinc();
+            a.chain(sinc, sinc_slope(a.value, sinc))
+        };
+        select(condition: bool, a: Self, b: Self) => Self {
+            value: R::select(condition, a.value, b.value),
+            slope: R::select(condition, a.derivative(), b.derivative()),
+            varies: a.varies.or(b.varies),
+        };
+        where_less(x: Self, y: Self, a: Self, b: Self) => Self {
+            value: R::where_less(x.value, y.value, a.value, b.value),
+            slope: R::where_less(x.value, y.value, a.derivative(), b.derivative()),
+            varies: a.varies.or(b.varies),
+        };
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        let exp = self.value.exp();
-        self.chain(exp, exp)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), self.value.recip())
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        self.chain(root, (root + root).recip())
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        let sinc = self.value.sinc();
-        self.chain(sinc, sinc_slope(self.value, sinc))
-    }
-    #[inline(always)]
-    fn select(condition: bool, a: Self, b: Self) -> Self {
-        Self {
-            value: R::select(condition, a.value, b.value),
-            slope: R::select(condition, a.derivative(), b.derivative()),
-            varies: a.varies.or(b.varies),
-        }
-    }
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        Self {
-            value: R::where_less(x.value, y.value, a.value, b.value),
-            slope: R::where_less(x.value, y.value, a.derivative(), b.derivative()),
-            varies: a.varies.or(b.varies),
-        }
     }
 }
 

@@ -34,7 +34,7 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
-use crate::coefficients::*;
+use crate::{coefficients::*, functions::inverse_factorials};
 
 pub use crate::powers::{cbrt, exp2, hypot, log2, log10, powf, tanh};
 
@@ -186,16 +186,7 @@ pub fn exp(x: f64) -> f64 {
 }
 
 /// 1/(k+2)! for k = 0 … 13. The truncation error is below 2^-66 for `|r| <= ln 2 / 2`.
-const EXP_SERIES: [f64; 14] = {
-    let mut coefficients = [0.0; 14];
-    let (mut factorial, mut k) = (1.0, 0);
-    while k < 14 {
-        factorial *= (k + 2) as f64;
-        coefficients[k] = 1.0 / factorial;
-        k += 1;
-    }
-    coefficients
-};
+const EXP_SERIES: [f64; 14] = inverse_factorials(2, 1);
 
 /// `e^x` in double-double: `(p, e)` where `p` is `e^x` rounded with an error below one ulp and
 /// `p + e` is `e^x` more accurately.

@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::{
     elementary,
     functions::{sinh_cosh, unless_nan},
+    operator::functions,
 };
 
 /// A number type that formulas are written for: arithmetic and elementary functions.
@@ -144,40 +145,21 @@ pub trait Real:
 
 impl Real for f64 {
     const DEPTH: u32 = 0;
-    #[inline(always)]
-    fn constant(x: f64) -> Self {
-        x
+    functions! {
+        constant(x: f64) => x;
+        exp(x) => elementary::exp(x);
+        ln(x) => elementary::ln(x);
+        sqrt(x) => f64::sqrt(x);
+        sinc(x) => elementary::sinc(x);
+        select(condition: bool, a: Self, b: Self) => if condition { a } else { b };
+        where_less(x: Self, y: Self, a: Self, b: Self) => if x < y { a } else { b };
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         elementary::sin_cos(self)
     }
     #[inline(always)]
-    fn exp(self) -> Self {
-        elementary::exp(self)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        elementary::ln(self)
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        f64::sqrt(self)
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        elementary::sinc(self)
-    }
-    #[inline(always)]
     fn powi(self, n: i32) -> Self {
         elementary::powi(self, n)
-    }
-    #[inline(always)]
-    fn select(condition: bool, a: Self, b: Self) -> Self {
-        if condition { a } else { b }
-    }
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        if x < y { a } else { b }
     }
 }

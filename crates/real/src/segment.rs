@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Real, operator::operator};
+use crate::{
+    Real,
+    operator::{functions, operators},
+};
 
 /// A function of y on the segment y = (a+b)/2 + s(b − a)/2, |s| ≤ 1, with its mean over it where
 /// that has a closed form: polynomials of degree two, and sines and cosines of affine functions.
@@ -62,14 +65,19 @@ impl<R: Real> Segment<R> {
             Form::Affine => Form::Known,
             Form::Known | Form::Other => Form::Other,
         };
-        Self { middle, half: R::zero(), mean, form }
+        Self::of(middle, mean, form)
     }
 
     /// A function without a closed form, unless this is constant.
     #[inline(always)]
     fn other(self, value: R) -> Self {
         let form = if self.form == Form::Constant { Form::Constant } else { Form::Other };
-        Self { middle: value, half: R::zero(), mean: value, form }
+        Self::of(value, value, form)
+    }
+
+    #[inline(always)]
+    fn of(middle: R, mean: R, form: Form) -> Self {
+        Self { middle, half: R::zero(), mean, form }
     }
 
     #[inline(always)]
@@ -82,79 +90,60 @@ impl<R: Real> Segment<R> {
     fn larger(self, b: Self) -> Form {
         if self.form > b.form { self.form } else { b.form }
     }
-
-    #[inline(always)]
-    fn sum(self, b: Self) -> Self {
-        let [middle, half] = [self.middle + b.middle, self.half + b.half];
-        Self { middle, half, mean: self.mean + b.mean, form: self.larger(b) }
-    }
-
-    #[inline(always)]
-    fn product(self, b: Self) -> Self {
-        if self.form == Form::Constant {
-            b.times(self.middle)
-        } else if b.form == Form::Constant {
-            self.times(b.middle)
-        } else {
-            let middle = self.middle * b.middle;
-            let mean = middle + self.half * b.half * (1.0 / 3.0);
-            let form = if self.larger(b) == Form::Affine { Form::Known } else { Form::Other };
-            Self { middle, half: R::zero(), mean, form }
-        }
-    }
 }
 
-operator!([R: Real] Segment<R>: Add::add(a, b: Self) => a.sum(b));
-operator!([R: Real] Segment<R>: Sub::sub(a, b: Self) => a.sum(-b));
-operator!([R: Real] Segment<R>: Mul::mul(a, b: Self) => a.product(b));
-operator!([R: Real] Segment<R>: Div::div(a, b: Self) => {
-    if b.form == Form::Constant { a.times(b.middle.recip()) } else { b.other(a.middle / b.middle) }
-});
-operator!([R: Real] Segment<R>: Neg::neg(a) => a.times(-R::one()));
-operator!([R: Real] Segment<R>: Add::add(a, b: f64) => a.sum(Self::constant(b)));
-operator!([R: Real] Segment<R>: Sub::sub(a, b: f64) => a.sum(Self::constant(-b)));
-operator!([R: Real] Segment<R>: Mul::mul(a, b: f64) => a.times(R::constant(b)));
-operator!([R: Real] Segment<R>: Div::div(a, b: f64) => a.times(R::constant(1.0 / b)));
+operators! { [R: Real] Segment<R>:
+    Add::add(a, b: Self) => {
+        let [middle, half] = [a.middle + b.middle, a.half + b.half];
+        Self { middle, half, mean: a.mean + b.mean, form: a.larger(b) }
+    };
+    Sub::sub(a, b: Self) => a + -b;
+    Mul::mul(a, b: Self) => if a.form == Form::Constant {
+        b.times(a.middle)
+    } else if b.form == Form::Constant {
+        a.times(b.middle)
+    } else {
+        let middle = a.middle * b.middle;
+        let mean = middle + a.half * b.half * (1.0 / 3.0);
+        let form = if a.larger(b) == Form::Affine { Form::Known } else { Form::Other };
+        Self::of(middle, mean, form)
+    };
+    Div::div(a, b: Self) => if b.form == Form::Constant {
+        a.times(b.middle.recip())
+    } else {
+        b.other(a.middle / b.middle)
+    };
+    Neg::neg(a) => a.times(-R::one());
+    Add::add(a, b: f64) => a + Self::constant(b);
+    Sub::sub(a, b: f64) => a + Self::constant(-b);
+    Mul::mul(a, b: f64) => a.times(R::constant(b));
+    Div::div(a, b: f64) => a.times(R::constant(1.0 / b));
+}
 
 impl<R: Real> Real for Segment<R> {
     const DEPTH: u32 = R::DEPTH;
-    #[inline(always)]
-    fn constant(x: f64) -> Self {
-        let x = R::constant(x);
-        Self { middle: x, half: R::zero(), mean: x, form: Form::Constant }
+    functions! {
+        constant(x: f64) => {
+            let x = R::constant(x);
+            Self::of(x, x, Form::Constant)
+        };
+        exp(a) => a.other(a.middle.exp());
+        ln(a) => a.other(a.middle.ln());
+        sqrt(a) => a.other(a.middle.sqrt());
+        sinc(a) => a.other(a.middle.sinc());
+        select(condition: bool, a: Self, b: Self) => if condition { a } else { b };
+        where_less(x: Self, y: Self, a: Self, b: Self) => {
+            let form = if x.larger(y) == Form::Constant { a.larger(b) } else { Form::Other };
+            let of = |a: R, b: R| R::where_less(x.middle, y.middle, a, b);
+            let (middle, half) = (of(a.middle, b.middle), of(a.half, b.half));
+            Self { middle, half, mean: of(a.mean, b.mean), form }
+        };
     }
     /// The means of sine and cosine are their values at the middle times sinc of the half angle.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let ((sin, cos), factor) = (self.middle.sin_cos(), self.half.sinc());
         (Self::known(self, sin, sin * factor), Self::known(self, cos, cos * factor))
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.other(self.middle.exp())
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.other(self.middle.ln())
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.other(self.middle.sqrt())
-    }
-    #[inline(always)]
-    fn sinc(self) -> Self {
-        self.other(self.middle.sinc())
-    }
-    #[inline(always)]
-    fn select(condition: bool, a: Self, b: Self) -> Self {
-        if condition { a } else { b }
-    }
-    #[inline(always)]
-    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        let form = if x.larger(y) == Form::Constant { a.larger(b) } else { Form::Other };
-        let of = |a: R, b: R| R::where_less(x.middle, y.middle, a, b);
-        let (middle, half) = (of(a.middle, b.middle), of(a.half, b.half));
-        Self { middle, half, mean: of(a.mean, b.mean), form }
     }
 }
 

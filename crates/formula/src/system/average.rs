@@ -17,8 +17,9 @@ use expression::{Graph, Id, Node, Unary, Weighted, terms};
 pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
     let component = |(&a, &b): (&Id, &Id)| {
         let (sum, difference) = (graph.add(a, b), graph.sub(b, a));
-        let (middle, shift) = (graph.scale(sum, 0.5), graph.scale(difference, distance));
-        graph.add(middle, shift)
+        let mut point = graph.scale(sum, 0.5);
+        graph.add_to(&mut point, difference, distance);
+        point
     };
     a.iter().zip(b).map(component).collect()
 }
@@ -38,7 +39,7 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
         {
             let middle = middle.get_or_insert_with(|| point(graph, a, b, 0.0));
             for (k, part) in averaged_wave(graph, function, (angle, weight), (a, b), middle) {
-                add(graph, &mut mean[k], part, 1.0);
+                mean[k] = graph.add(mean[k], part);
             }
             continue;
         }
@@ -57,14 +58,9 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
     mean
 }
 
-/// Adds weight·part.
-pub fn add(graph: &mut Graph, sum: &mut Id, part: Id, weight: f64) {
-    let weighted = graph.scale(part, weight);
-    *sum = graph.add(*sum, weighted);
-}
-
-fn add_all(graph: &mut Graph, sums: &mut [Id], parts: &[Id], weight: f64) {
-    sums.iter_mut().zip(parts).for_each(|(sum, &part)| add(graph, sum, part, weight));
+/// Adds weight·part, component by component.
+pub fn add_all(graph: &mut Graph, sums: &mut [Id], parts: &[Id], weight: f64) {
+    sums.iter_mut().zip(parts).for_each(|(sum, &part)| graph.add_to(sum, part, weight));
 }
 
 /// The averaged gradient of weight·sin u or weight·cos u for an affine u: the means of cos u and

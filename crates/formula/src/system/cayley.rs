@@ -40,12 +40,11 @@ fn times_adjugate<const N: usize>(
 ) -> Vec<Id> {
     let one = graph.constant(1.0);
     let inverse = graph.div(one, determinant);
-    let mut x = Vec::new();
-    for row in adjugate {
+    let component = |row: &[Id; N]| {
         let row = row.map(|entry| graph.mul(entry, inverse));
-        x.push(graph.dot(&row, b));
-    }
-    x
+        graph.dot(&row, b)
+    };
+    adjugate.iter().map(component).collect()
 }
 
 fn eliminate(graph: &mut Graph, mut a: Vec<Sparse>, mut x: Vec<Id>) -> Option<Vec<Id>> {
@@ -66,9 +65,8 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Sparse>, mut x: Vec<Id>) -> Option<Ve
             let factor = graph.mul(a[i][&k], pivot);
             a[i].insert(k, factor);
             for &(j, entry) in &row {
-                let product = graph.mul(factor, entry);
-                let entry = a[i].entry(j).or_insert(zero);
-                *entry = graph.sub(*entry, product);
+                let other = a[i].entry(j).or_insert(zero);
+                *other = graph.sub_product(*other, factor, entry);
                 if j < i {
                     below[j].insert(i);
                 }
@@ -77,14 +75,12 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Sparse>, mut x: Vec<Id>) -> Option<Ve
     }
     for i in 0..x.len() {
         for (&k, &factor) in a[i].range(..i) {
-            let product = graph.mul(factor, x[k]);
-            x[i] = graph.sub(x[i], product);
+            x[i] = graph.sub_product(x[i], factor, x[k]);
         }
     }
     for k in (0..x.len()).rev() {
         for (&j, &entry) in a[k].range(k + 1..) {
-            let product = graph.mul(entry, x[j]);
-            x[k] = graph.sub(x[k], product);
+            x[k] = graph.sub_product(x[k], entry, x[j]);
         }
         x[k] = graph.mul(x[k], a[k][&k]);
     }

@@ -142,7 +142,11 @@ impl From<NameError> for DefinitionError {
     }
 }
 
+/// What is right in a definition, or the error in it.
+type Checked<T> = Result<T, DefinitionError>;
+
 /// The formulas of a definition.
+#[derive(Clone)]
 pub(super) struct Formulas {
     pub names: Names,
     pub dimension: usize,
@@ -159,7 +163,7 @@ pub(super) struct Formulas {
 }
 
 impl Formulas {
-    pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
+    pub fn new(definition: &Definition, y0: &[f64]) -> Checked<Self> {
         let Definition { state, vectors, parameters, structure, energy, equation, .. } = definition;
         let mut names = Names::with_variables(state)?;
         for (name, components) in vectors {
@@ -170,19 +174,20 @@ impl Formulas {
         }
         let (mut timed, start) = (names.clone(), [y0, &[0.0]].concat());
         timed.variable("t")?;
-        let parsed = |which: Which, text: &str| -> Result<Formula, DefinitionError> {
+        let parsed = |which: Which, text: &str| -> Checked<Formula> {
             let is_entry = matches!(which, Which::Structure(..));
             let names = if is_entry { &names } else { &timed };
             let formula = Formula::parse(text, names).and_then(|formula| {
                 let reason = formula.explain(&start[..formula.variables.len()]);
-                let at_y0 = |message| format!("{message} at the initial value");
-                let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
+                let at_y0 = " at the initial value";
+                let wrong = |e: FormulaError| FormulaError { message: e.message + at_y0, ..e };
                 let reason = formula.condition().or(reason.map(wrong));
                 reason.map_or(Ok(formula), Err)
             });
             formula.map_err(|error| DefinitionError {
-                formula: Some(Box::new(error.clone())),
-                ..DefinitionError::new(which, format!("{which}: {error}"))
+                which,
+                message: format!("{which}: {error}"),
+                formula: Some(Box::new(error)),
             })
         };
         let hamiltonian = |(m, text): (usize, &String)| {
@@ -203,26 +208,17 @@ impl Formulas {
             Some(equation) => vec![&zero; 1 + equation.noises.len()],
             None => once(energy).chain(&definition.noises).chain(through).collect(),
         };
-        let hamiltonians = all.into_iter().enumerate().map(hamiltonian);
-        let hamiltonians = hamiltonians.collect::<Result<_, DefinitionError>>()?;
         let temperature = |(m, bath): (usize, &Bath)| {
             let which = Which::Temperature(m + 1);
             let kt = parsed(which, &bath.temperature)?;
-            let value = kt.value(&start[..kt.variables.len()]);
-            if let Some(k) = kt.reads().into_iter().find(|&k| k < y0.len()) {
-                let what = format!("{which} depends on `{}`: it may depend on t alone", state[k]);
-                return Err(DefinitionError::new(which, what));
-            }
-            match value > 0.0 {
-                true => Ok(kt),
-                false => {
-                    let what = format!("{which} must be positive, got {value}");
-                    Err(DefinitionError::new(which, what))
-                }
-            }
+            let value = kt.value(&start);
+            let wrong = match kt.reads().into_iter().find(|&k| k < y0.len()) {
+                Some(k) => format!("depends on `{}`: it may depend on t alone", state[k]),
+                None if value > 0.0 => return Ok(kt),
+                None => format!("must be positive, got {value}"),
+            };
+            Err(DefinitionError::new(which, format!("{which} {wrong}")))
         };
-        let temperatures = definition.baths.iter().enumerate().map(temperature);
-        let temperatures = temperatures.collect::<Result<_, DefinitionError>>()?;
         let ito = equation.as_ref().is_some_and(|equation| equation.ito);
         let field = |(m, texts): (usize, &Vec<String>)| {
             let (d, given) = (y0.len(), texts.len());
@@ -242,9 +238,17 @@ impl Formulas {
             texts.iter().enumerate().map(component).collect()
         };
         let fields = equation.iter().flat_map(|of| once(&of.drift).chain(&of.noises));
-        let fields = fields.enumerate().map(field).collect::<Result<_, DefinitionError>>()?;
-        let dimension = y0.len();
-        Ok(Self { dimension, structure, hamiltonians, temperatures, names, fields, ito })
+        let baths = definition.baths.iter();
+        // The first error is that of the first formula.
+        Ok(Self {
+            dimension: y0.len(),
+            structure,
+            hamiltonians: all.into_iter().enumerate().map(hamiltonian).collect::<Checked<_>>()?,
+            temperatures: baths.enumerate().map(temperature).collect::<Checked<_>>()?,
+            fields: fields.enumerate().map(field).collect::<Checked<_>>()?,
+            ito,
+            names,
+        })
     }
 
     /// All formulas of the equation: Hamiltonians, entries of B, and fields.
@@ -254,7 +258,7 @@ impl Formulas {
     }
 }
 
-fn check_initial_value(state: &[String], y0: &[f64]) -> Result<(), DefinitionError> {
+fn check_initial_value(state: &[String], y0: &[f64]) -> Checked<()> {
     let (dimension, components) = (state.len(), y0.len());
     let infinite = y0.iter().zip(state).find(|(value, _)| !value.is_finite());
     let what = match infinite {
@@ -269,18 +273,15 @@ fn check_initial_value(state: &[String], y0: &[f64]) -> Result<(), DefinitionErr
 }
 
 /// Checks that all derivatives of a formula by components are finite.
-fn has_gradient(which: Which, formula: &Formula, start: &[f64]) -> Result<(), DefinitionError> {
-    let all: Vec<usize> = (0..start.len() - 1).collect();
+fn has_gradient(which: Which, formula: &Formula, start: &[f64]) -> Checked<()> {
+    let all = Vec::from_iter(0..start.len() - 1);
     let mut gradient = vec![0.0; all.len()];
     formula.gradient(&all).evaluate_one(&[start], &mut gradient);
-    match gradient.iter().zip(&*formula.variables).find(|(slope, _)| !slope.is_finite()) {
-        Some((slope, variable)) => {
-            let message =
-                format!("the derivative of {which} by {variable} is {slope} at the initial value");
-            Err(DefinitionError::new(which, message))
-        }
-        None => Ok(()),
-    }
+    let mut slopes = gradient.iter().zip(&*formula.variables);
+    slopes.find(|(slope, _)| !slope.is_finite()).map_or(Ok(()), |(slope, variable)| {
+        let what = format!("the derivative of {which} by {variable} is {slope}");
+        Err(DefinitionError::new(which, format!("{what} at the initial value")))
+    })
 }
 
 /// An entry of B with its row and column.
@@ -290,24 +291,23 @@ type Entry = ((usize, usize), Formula);
 fn upper(
     texts: &Structure,
     y0: &[f64],
-    parsed: impl Fn(Which, &str) -> Result<Formula, DefinitionError>,
-) -> Result<Vec<Entry>, DefinitionError> {
+    parsed: impl Fn(Which, &str) -> Checked<Formula>,
+) -> Checked<Vec<Entry>> {
     let dimension = y0.len();
     let wrong = |what| Err(DefinitionError::new(Which::Matrix, what));
-    let entry = |(i, j): (usize, usize), text: &str| {
+    let entry = |((i, j), text): ((usize, usize), &String)| {
         Ok(((i, j), parsed(Which::Structure(i + 1, j + 1), text)?))
     };
     let rows = match texts {
         Structure::Rows(rows) => rows,
         Structure::Entries(entries) => {
-            let is_above = |&&(i, j): &&(usize, usize)| i < j && j < dimension;
-            if let Some((i, j)) = entries.keys().find(|place| !is_above(place)) {
+            if let Some((i, j)) = entries.keys().find(|&&(i, j)| i >= j || j >= dimension) {
                 return wrong(format!(
                     "an entry of B has row < column < {dimension}, counted from 0, got row {i}, \
                      column {j}"
                 ));
             }
-            return entries.iter().map(|(&place, text)| entry(place, text)).collect();
+            return entries.iter().map(|(&place, text)| entry((place, text))).collect();
         }
     };
     let lengths: Vec<usize> = rows.iter().map(Vec::len).collect();
@@ -319,13 +319,11 @@ fn upper(
             dimension - 1
         ));
     }
-    let mut entries = Vec::new();
-    for (i, row) in rows.iter().enumerate() {
+    let places = rows.iter().enumerate().flat_map(|(i, row)| {
         let first = if is_full { 0 } else { i + 1 };
-        for (k, text) in row.iter().enumerate() {
-            entries.push(entry((i, first + k), text)?);
-        }
-    }
+        (first..).zip(row).map(move |(j, text)| ((i, j), text))
+    });
+    let mut entries: Vec<Entry> = places.map(entry).collect::<Checked<_>>()?;
     if is_full {
         check_skew(&entries, y0)?;
         entries.retain(|((i, j), _)| i < j);
@@ -338,7 +336,7 @@ fn upper(
 const ROUNDING: f64 = 1e-9;
 
 /// Checks bᵢⱼ = −bⱼᵢ at the initial value and points near it at which both are finite.
-fn check_skew(entries: &[Entry], y0: &[f64]) -> Result<(), DefinitionError> {
+fn check_skew(entries: &[Entry], y0: &[f64]) -> Checked<()> {
     let points = systems::probe::around(y0, |_| true);
     for i in 0..y0.len() {
         for j in 0..=i {

@@ -1,17 +1,17 @@
 //! The expressions of a system in one graph.
 
-use std::{collections::BTreeSet, ops::Range, slice::from_ref};
+use std::{collections::BTreeSet, iter::once, ops::Range};
 
 use super::{
     Coordinate, MAX_EXPRESSIONS, average, cayley,
     definition::Formulas,
     flows::Term,
-    sparse::{Field, Sparse, connected, dot},
+    sparse::{Field, Sparse, connected, consecutive, dot},
 };
 use real::Real;
 use systems::{probe::vanish, run_time::Op};
 
-use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, place, terms};
+use expression::{Binary, Graph, Id, Node, Tape, Unary, Weighted, forms, terms};
 
 use crate::{
     Formula,
@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Operations of a system as expressions, in groups of inputs: y, u, v, dt, dw, areas and t.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Expressions {
     pub graph: Graph,
     pub dimension: usize,
@@ -28,29 +28,20 @@ pub struct Expressions {
     pub hamiltonians: Vec<Id>,
     /// The Hamiltonians Φ of heat baths, by their numbers, with u = −{H₀, Φ}/2kT.
     pub baths: Vec<(usize, Id)>,
-    /// The entries of B in each row that are not zero, by their columns.
-    pub structure: Vec<Vec<Entry>>,
+    /// The entries of B in each row that are not zero, by their columns: those above the diagonal,
+    /// and below the diagonal minus the entries.
+    structure: Vec<Sparse>,
     /// The fields f₀, f₁, … of an equation without B and H, of which B is the identity and ∇Hₘ is
     /// fₘ; none of other systems.
     fields: Vec<Vec<Id>>,
     /// B(y)v.
     field: Vec<Id>,
-    /// h.
-    energy: Id,
     /// The operations that have expressions, with the groups of inputs (y, u, v) that are their
     /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
     /// not affine, or elimination too long, and those of areas for more than [`MAX_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
     /// Flows of the parts, in a graph of their own; none if there is a term without one.
     pub flows: (Graph, Vec<Vec<Id>>),
-}
-
-/// An entry of B.
-#[derive(Clone, Copy)]
-pub struct Entry {
-    pub column: usize,
-    /// The entry above the diagonal; below the diagonal, the entry is minus this.
-    pub above: Id,
 }
 
 /// The groups of inputs.
@@ -70,11 +61,6 @@ const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 /// The most noises whose Lévy areas are used.
 const MAX_NOISES: usize = 16;
 
-/// The input of the first area.
-fn first_area(dimension: usize, noises: usize) -> usize {
-    3 * dimension + 1 + noises
-}
-
 /// The number of areas; none where they are not used.
 pub fn number_of_areas(noises: usize) -> usize {
     if noises <= MAX_NOISES { noises * noises } else { 0 }
@@ -84,80 +70,54 @@ impl Expressions {
     /// The expressions of a system; or of the `rest` of it, the terms of another graph.
     pub fn new(formulas: &Formulas, rest: Option<(&Graph, &[Term])>) -> Self {
         let (dimension, noises) = (formulas.dimension, formulas.hamiltonians.len() - 1);
-        let mut graph = Graph::new();
-        let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
-        let t = graph.input(first_area(dimension, noises) + number_of_areas(noises));
+        let structure = vec![Sparse::new(); dimension];
+        let mut new = Self { dimension, noises, structure, ..Self::default() };
+        let (y, t) = (new.inputs(Y), new.inputs(TIME)[0]);
         let variable = |k: usize| Some(y.get(k).copied().unwrap_or(t));
         let mut import =
-            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], variable)[0];
-        let mut hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
-        let temperatures: Vec<Id> = match rest {
-            None => formulas.temperatures.iter().map(&mut import).collect(),
-            // Baths have no flows, so that nothing is left of them.
-            Some(_) => Vec::new(),
-        };
+            |formula: &Formula| new.graph.copy(Some(&formula.graph), &[formula.root], variable)[0];
+        new.hamiltonians = formulas.hamiltonians.iter().map(&mut import).collect();
+        let temperatures: Vec<Id> = formulas.temperatures.iter().map(&mut import).collect();
         let fields = formulas.fields.iter();
-        let fields = fields.map(|of| of.iter().map(&mut import).collect()).collect();
-        let mut structure: Vec<Vec<Entry>> = vec![Vec::new(); dimension];
+        new.fields = fields.map(|of| of.iter().map(&mut import).collect()).collect();
         for ((i, j), formula) in &formulas.structure {
             let above = import(formula);
-            structure[*i].push(Entry { column: *j, above });
-            structure[*j].push(Entry { column: *i, above });
+            new.structure[*i].insert(*j, above);
+            new.structure[*j].insert(*i, above);
         }
-        structure.iter_mut().for_each(|row| row.sort_by_key(|entry| entry.column));
         if let Some((other, terms)) = rest {
-            hamiltonians.fill(graph.constant(0.0));
+            new.hamiltonians.fill(new.graph.constant(0.0));
             for term in terms {
-                let root = graph.copy(Some(other), &[term.root], variable)[0];
-                let scaled = graph.scale(root, term.factor);
-                hamiltonians[term.of] = graph.add(hamiltonians[term.of], scaled);
+                let root = new.graph.copy(Some(other), &[term.root], variable)[0];
+                new.graph.add_to(&mut new.hamiltonians[term.of], root, term.factor);
             }
         }
-        let energy = graph.constant(0.0);
-        let (field, operations, flows) = (Vec::new(), Vec::new(), Default::default());
-        let mut new = Self {
-            graph,
-            dimension,
-            noises,
-            hamiltonians,
-            baths: Vec::new(),
-            structure,
-            fields,
-            field,
-            energy,
-            operations,
-            flows,
-        };
         if formulas.ito {
-            for (k, correction) in new.corrected().into_iter().enumerate() {
-                average::add(&mut new.graph, &mut new.fields[0][k], correction, -1.0);
-            }
+            let correction = new.corrected();
+            average::add_all(&mut new.graph, &mut new.fields[0], &correction, -1.0);
         }
         let [u, v] = [U, V].map(|group| new.inputs(group));
         let directions: Sparse = u.iter().copied().enumerate().collect();
         new.field = new.field_at(&v.into_iter().enumerate().collect());
         let field = new.field.clone();
         let field_along = new.along(&field, &directions);
-        let weights = [new.inputs(DT), new.inputs(DW)].concat();
-        new.energy = new.graph.dot(&new.hamiltonians, &weights);
+        let weights = new.weights();
         // ∇(H₀w₀ + H₁w₁ + …), with w + u dt for baths.
-        let shifts = new.shifts(&temperatures);
-        new.baths = (noises + 1 - shifts.len()..).zip(shifts).collect();
+        new.baths = new.shifts(&temperatures);
         let weighted: Vec<Weighted> =
-            new.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
+            new.hamiltonians.iter().copied().zip(weights.clone()).collect();
         let shifted = new.shifted(&weighted, |_, shift, _| shift);
         let sum = |k: usize| {
-            let of: Vec<Id> = new.fields.iter().map(|field| field[k]).collect();
-            let weighted: Vec<Weighted> = of.iter().copied().zip(weights.iter().copied()).collect();
+            let fields = new.fields.iter().map(|field| field[k]);
+            let direct: Vec<Weighted> = fields.zip(weights.clone()).collect();
             // Drift and noises may share terms.
-            let (parts, sums): (Vec<Id>, Vec<Id>) =
-                terms(&mut new.graph, &weighted).into_iter().unzip();
-            let sums = [(of, weights.clone()), (parts, sums)].map(|(a, b)| new.graph.dot(&a, &b));
+            let shared = terms(&mut new.graph, &direct);
+            let sums = [direct, shared].map(|products| new.graph.sum(products));
             let [direct, shared] = sums.map(|sum| new.graph.needed(&[sum]).len());
             sums[usize::from(shared < direct)]
         };
         let gradient = match new.fields.is_empty() {
-            true => new.graph.reverse(&shifted, &(0..dimension).collect::<Vec<_>>()),
+            true => new.graph.reverse(&shifted, &Vec::from_iter(0..dimension)),
             false => (0..dimension).map(sum).collect(),
         };
         let hessian = new.along(&gradient, &directions);
@@ -165,13 +125,12 @@ impl Expressions {
         let own = new.group(TIME).end;
         let averaged = match &*new.baths {
             [] => average::averaged_gradient(&mut new.graph, &weighted, &y, &u),
-            _ => {
+            &[(first, _), ..] => {
                 let middle = average::point(&mut new.graph, &y, &u, 0.0);
                 let own_weights = new.shifted(&weighted, |graph, _, m| graph.input(own + m));
                 let averaged = average::averaged_gradient(&mut new.graph, &own_weights, &y, &u);
-                let shifts: Vec<Id> = new.baths.iter().map(|(_, shift)| *shift).collect();
+                let shifts = new.shift_values();
                 let shifts = average::at(&mut new.graph, &shifts, &middle);
-                let first = new.baths[0].0;
                 new.graph.copy(None, &averaged, |k| Some(shifts[k.checked_sub(own + first)?]))
             }
         };
@@ -200,21 +159,25 @@ impl Expressions {
         new
     }
 
-    /// u of baths at these temperatures.
-    fn shifts(&mut self, temperatures: &[Id]) -> Vec<Id> {
+    /// The Hamiltonians of baths at these temperatures, which are the last, with their u.
+    fn shifts(&mut self, temperatures: &[Id]) -> Vec<(usize, Id)> {
         if temperatures.is_empty() {
             return Vec::new();
         }
-        let first = self.hamiltonians.len() - temperatures.len();
-        let (_, drift) = self.field_of(0);
+        let (drift, first) = (self.field_of(0), self.noises + 1 - temperatures.len());
         let shift = |(m, &kt): (usize, &Id)| {
             // {H₀, Φ} = −∇ΦᵀB∇H₀.
-            let (slope, _) = self.field_of(first + m);
+            let slope = self.gradient(self.hamiltonians[m]);
             let bracket = dot(&mut self.graph, &slope, &drift);
             let half = self.graph.scale(bracket, 0.5);
-            self.graph.div(half, kt)
+            (m, self.graph.div(half, kt))
         };
-        temperatures.iter().enumerate().map(shift).collect()
+        (first..).zip(temperatures).map(shift).collect()
+    }
+
+    /// The u of all baths.
+    fn shift_values(&self) -> Vec<Id> {
+        self.baths.iter().map(|(_, u)| *u).collect()
     }
 
     /// The weights of Hamiltonians with the drift of those of baths, for which `shift` may put
@@ -227,8 +190,7 @@ impl Expressions {
         let mut all = weighted.to_vec();
         for &(m, u) in &self.baths {
             let u = shift(&mut self.graph, u, m);
-            let drift = self.graph.mul(u, weighted[0].1);
-            all[m].1 = self.graph.add(weighted[m].1, drift);
+            all[m].1 = self.graph.add_product(weighted[m].1, u, weighted[0].1);
         }
         all
     }
@@ -236,13 +198,16 @@ impl Expressions {
     /// The inputs of a group.
     fn group(&self, group: usize) -> Range<usize> {
         let (d, m) = (self.dimension, self.noises);
-        let (first, last) = (first_area(d, m), first_area(d, m) + number_of_areas(m));
-        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, first, last, last + 1];
-        ends[group]..ends[group + 1]
+        consecutive([d, d, d, 1, m, number_of_areas(m), 1])[group].clone()
     }
 
     fn inputs(&mut self, group: usize) -> Vec<Id> {
-        self.group(group).map(|k| self.graph.input(k)).collect()
+        self.graph.inputs(self.group(group))
+    }
+
+    /// The weights of the Hamiltonians, dt and dw.
+    fn weights(&mut self) -> Vec<Id> {
+        [self.inputs(DT), self.inputs(DW)].concat()
     }
 
     /// Names of the inputs; those that no formula shows have any.
@@ -269,10 +234,7 @@ impl Expressions {
 
     /// The number of the component that an expression is.
     pub fn component(&self, id: Id) -> Option<usize> {
-        match self.graph.node(id) {
-            Node::Input(k) => Some(k as usize).filter(|&k| k < self.dimension),
-            _ => None,
-        }
+        self.graph.as_input(id).filter(|&k| k < self.dimension)
     }
 
     /// The components that expressions use.
@@ -280,25 +242,19 @@ impl Expressions {
         self.graph.needed(roots).into_iter().filter_map(|id| self.component(id)).collect()
     }
 
-    /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
-    pub fn weight(&mut self, terms: &[Term]) -> Id {
-        self.weighted(&terms.iter().map(|term| (term.of, term.factor)).collect::<Vec<_>>())
-    }
-
     /// Σ c·w for the weights w of Hamiltonians and factors c.
     pub fn weighted(&mut self, shares: &[(usize, f64)]) -> Id {
         let mut sum = self.graph.constant(0.0);
         for &(m, factor) in shares {
             let weight = self.graph.input(self.group(DT).start + m);
-            let weight = self.graph.scale(weight, factor);
-            sum = self.graph.add(sum, weight);
+            self.graph.add_to(&mut sum, weight, factor);
         }
         sum
     }
 
     /// B∇F of a term with its weight.
     pub fn field_of_term(&mut self, term: &Term) -> Sparse {
-        let weight = self.weight(from_ref(term));
+        let weight = self.weighted(&[(term.of, term.factor)]);
         let gradient = self.slopes(&[(term.root, weight)]);
         self.times(&gradient)
     }
@@ -336,15 +292,14 @@ impl Expressions {
             return v.clone();
         }
         let Self { graph, structure, .. } = self;
-        let rows: BTreeSet<usize> =
-            v.keys().flat_map(|&k| structure[k].iter().map(|entry| entry.column)).collect();
+        let rows: BTreeSet<usize> = v.keys().flat_map(|&k| structure[k].keys()).copied().collect();
         let mut field = Sparse::new();
         for i in rows {
             let mut sum = graph.constant(0.0);
-            for Entry { column, above } in &structure[i] {
-                let Some(&v) = v.get(column) else { continue };
-                let product = graph.mul(*above, v);
-                sum = if *column < i { graph.sub(sum, product) } else { graph.add(sum, product) };
+            for (&column, &above) in &structure[i] {
+                let Some(&v) = v.get(&column) else { continue };
+                let add = if column < i { Graph::sub_product } else { Graph::add_product };
+                sum = add(graph, sum, above, v);
             }
             if !graph.is_zero(sum) {
                 field.insert(i, sum);
@@ -363,23 +318,21 @@ impl Expressions {
 
     /// Whether B or a Hamiltonian has a logarithm, a root or a quotient.
     pub fn have_domain(&self) -> bool {
-        let fields = self.fields.concat();
-        self.graph.uses(&[&self.hamiltonians[..], &self.field, &fields].concat(), |node| {
-            let divides = |by| self.graph.as_constant(by).is_none_or(|by| by == 0.0);
-            match node {
-                Node::Unary(Unary::Ln | Unary::Sqrt, _) => true,
-                Node::Binary(Binary::Div, _, by) => divides(by),
-                _ => false,
+        let all = [&self.hamiltonians[..], &self.field, &self.fields.concat()].concat();
+        self.graph.uses(&all, |node| match node {
+            Node::Unary(Unary::Ln | Unary::Sqrt, _) => true,
+            Node::Binary(Binary::Div, _, by) => {
+                self.graph.as_constant(by).is_none_or(|by| by == 0.0)
             }
+            _ => false,
         })
     }
 
     /// Whether a Hamiltonian, or the temperature of a bath, depends on time.
     pub fn depend_on_time(&self) -> bool {
         let t = self.group(TIME).start as u32;
-        let baths = self.baths.iter().map(|(_, u)| *u);
-        let fields = self.fields.iter().flatten().copied();
-        let all: Vec<Id> = self.hamiltonians.iter().copied().chain(baths).chain(fields).collect();
+        let shifts = self.shift_values();
+        let all = [&self.hamiltonians[..], &shifts, &self.fields.concat()].concat();
         self.graph.uses(&all, |node| node == Node::Input(t))
     }
 
@@ -393,7 +346,7 @@ impl Expressions {
             sum = self.graph.add(sum, component);
         }
         for (component, n) in self.fields.iter().flatten().zip(1..) {
-            average::add(&mut self.graph, &mut sum, *component, f64::from(n));
+            self.graph.add_to(&mut sum, *component, f64::from(n));
         }
         sum
     }
@@ -428,9 +381,9 @@ impl Expressions {
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
-            let (_, field) = self.field_of(m);
+            let field = self.field_of(m);
             for (k, slope) in self.vector_along(&field, &field) {
-                average::add(&mut self.graph, &mut correction[k], slope, 0.5);
+                self.graph.add_to(&mut correction[k], slope, 0.5);
             }
         }
         correction
@@ -444,22 +397,23 @@ impl Expressions {
             for (m, l) in (0..fields.len()).flat_map(|l| (0..l).map(move |m| (m, l))) {
                 let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
                 for (f, g, sign) in [(m, l, -1.0), (l, m, 1.0)] {
-                    for (k, slope) in self.vector_along(&fields[g].1, &fields[f].1) {
+                    for (k, slope) in self.vector_along(&fields[g], &fields[f]) {
                         let term = self.graph.mul(slope, area);
-                        average::add(&mut self.graph, &mut sum[k], term, sign);
+                        self.graph.add_to(&mut sum[k], term, sign);
                     }
                 }
             }
             return sum;
         }
         let mut brackets = Vec::new();
-        for (m, (slope, _)) in fields.iter().enumerate() {
-            for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
+        for m in 0..self.noises {
+            let slope = self.gradient(self.hamiltonians[m + 1]);
+            for (l, field) in fields.iter().enumerate().skip(m + 1) {
                 let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
-                brackets.push((dot(&mut self.graph, slope, field), area));
+                brackets.push((dot(&mut self.graph, &slope, field), area));
             }
         }
-        self.graph.reverse(&brackets, &self.group(Y).collect::<Vec<_>>())
+        self.graph.reverse(&brackets, &Vec::from_iter(self.group(Y)))
     }
 
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
@@ -472,12 +426,13 @@ impl Expressions {
         let fields = self.noise_fields();
         let size = self.graph.size();
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
-        for (m, (slope, f)) in fields.iter().enumerate() {
-            for (_, g) in &fields[m + 1..] {
+        for (m, f) in fields.iter().enumerate() {
+            let slope = self.gradient(self.hamiltonians[m + 1]);
+            for g in &fields[m + 1..] {
                 let turned = if self.is_plain() {
                     Sparse::new()
                 } else {
-                    let bracket = dot(&mut self.graph, slope, g);
+                    let bracket = dot(&mut self.graph, &slope, g);
                     let v = self.gradient(bracket);
                     self.times(&v)
                 };
@@ -485,12 +440,11 @@ impl Expressions {
                 let changed: BTreeSet<usize> =
                     [&turned, &moved, &other].into_iter().flat_map(Sparse::keys).copied().collect();
                 for i in changed {
-                    let of = |vector: &Sparse| vector.get(&i).copied();
-                    let [turned, moved, other] = [&turned, &moved, &other].map(of);
                     let zero = self.graph.constant(0.0);
-                    let commutator = self.graph.sub(moved.unwrap_or(zero), other.unwrap_or(zero));
-                    commutators.push(commutator);
-                    defects.push(self.graph.add(commutator, turned.unwrap_or(zero)));
+                    let of = |vector: &Sparse| vector.get(&i).copied().unwrap_or(zero);
+                    let [turned, moved, other] = [&turned, &moved, &other].map(of);
+                    commutators.push(self.graph.sub(moved, other));
+                    defects.push(self.graph.add(commutators[commutators.len() - 1], turned));
                 }
                 if self.graph.size() - size > MAX_EXPRESSIONS {
                     return [false; 2];
@@ -514,9 +468,8 @@ impl Expressions {
     /// The components that each noise moves, if its field does not depend on y.
     pub fn additive(&mut self) -> Vec<Option<Vec<usize>>> {
         let fields = self.noise_fields();
-        let moved = |(_, field): (Sparse, Sparse)| {
-            let changes = field.into_iter().filter(|&(_, change)| !self.graph.is_zero(change));
-            let (moved, changes): (Vec<usize>, Vec<Id>) = changes.unzip();
+        let moved = |field: Sparse| {
+            let (moved, changes): (Vec<usize>, Vec<Id>) = field.into_iter().unzip();
             self.reads(&changes).is_empty().then_some(moved)
         };
         fields.into_iter().map(moved).collect()
@@ -527,12 +480,12 @@ impl Expressions {
         if !(1..=MAX_NOISES).contains(&self.noises) {
             return false;
         }
-        let fields: Vec<Sparse> = self.noise_fields().into_iter().map(|(_, field)| field).collect();
-        let all = fields.iter().flat_map(Sparse::values);
-        if !all.into_iter().all(|&x| self.graph.as_constant(x).is_some()) {
+        let fields = self.noise_fields();
+        let mut all = fields.iter().flat_map(Sparse::values);
+        if !all.all(|&x| self.graph.as_constant(x).is_some()) {
             return false;
         }
-        let (_, drift) = self.field_of(0);
+        let drift = self.field_of(0);
         let (size, mut bent) = (self.graph.size(), Vec::new());
         for f in &fields {
             let along = self.vector_along(&drift, f);
@@ -551,38 +504,33 @@ impl Expressions {
         self.graph.values(roots, |k| y.get(k).copied().unwrap_or(R::constant(t)))
     }
 
-    /// ∇Hₘ and B∇Hₘ of all noises.
-    fn noise_fields(&mut self) -> Vec<(Sparse, Sparse)> {
+    /// B∇Hₘ of all noises.
+    fn noise_fields(&mut self) -> Vec<Sparse> {
         (1..=self.noises).map(|m| self.field_of(m)).collect()
     }
 
-    /// ∇Hₘ and B∇Hₘ of one Hamiltonian, with what baths add to those of H₀.
-    fn field_of(&mut self, m: usize) -> (Sparse, Sparse) {
+    /// B∇Hₘ of one Hamiltonian, with what baths add to that of H₀; or fₘ.
+    fn field_of(&mut self, m: usize) -> Sparse {
+        if let Some(field) = self.fields.get(m) {
+            let all = field.iter().copied().enumerate();
+            return all.filter(|&(_, component)| !self.graph.is_zero(component)).collect();
+        }
         let one = self.graph.constant(1.0);
         let baths = self.baths.iter().filter(|_| m == 0);
         let shifts = baths.map(|&(m, u)| (self.hamiltonians[m], u));
-        let weighted: Vec<_> = [(self.hamiltonians[m], one)].into_iter().chain(shifts).collect();
-        let gradient = match self.fields.get(m) {
-            Some(field) => {
-                let all = field.iter().copied().enumerate();
-                all.filter(|&(_, component)| !self.graph.is_zero(component)).collect()
-            }
-            None => self.slopes(&weighted),
-        };
-        let field = self.times(&gradient);
-        (gradient, field)
+        let weighted: Vec<_> = once((self.hamiltonians[m], one)).chain(shifts).collect();
+        let gradient = self.slopes(&weighted);
+        self.times(&gradient)
     }
 
     /// The coordinates of momenta, as [`super::FormulaSystem::coordinates`] has them.
     pub fn coordinates(&mut self, momenta: &[usize]) -> Vec<Option<Coordinate>> {
         let slopes = self.gradient(self.hamiltonians[0]);
         let coordinate = |&p: &usize| {
-            let is_coordinate = |entry: &&Entry| {
-                let constant = self.graph.as_constant(entry.above);
-                self.structure[entry.column].len() == 1 && constant.is_some()
-            };
-            let entry = *self.structure[p].iter().find(is_coordinate)?;
-            let b = self.graph.as_constant(entry.above)?;
+            let (component, b) = self.structure[p].iter().find_map(|(&column, &above)| {
+                let b = self.graph.as_constant(above)?;
+                (self.structure[column].len() == 1).then_some((column, b))
+            })?;
             let slope = slopes.get(&p).copied();
             let rate = slope.and_then(|slope| self.rate(slope, p));
             let mass = match rate.and_then(|rate| self.graph.as_constant(rate)) {
@@ -592,7 +540,7 @@ impl Expressions {
                     Err(reads.into_iter().find(|&k| k != p))
                 }
             };
-            Some(Coordinate { component: entry.column, mass })
+            Some(Coordinate { component, mass })
         };
         momenta.iter().map(coordinate).collect()
     }
@@ -601,7 +549,7 @@ impl Expressions {
     pub fn friction(&mut self) -> Vec<(usize, usize, f64)> {
         let baths = self.baths.clone().into_iter().enumerate();
         let rate = |(n, (m, u)): (usize, (usize, Id))| {
-            let (_, field) = self.field_of(m);
+            let field = self.field_of(m);
             let (&k, &noise) = field.first_key_value().filter(|_| field.len() == 1)?;
             self.graph.as_constant(noise)?;
             let drift = self.graph.mul(u, noise);
@@ -617,21 +565,20 @@ impl Expressions {
         let slope = self.gradient(self.hamiltonians[0]);
         let mut heat = self.graph.constant(0.0);
         for &m in noises {
-            let (_, field) = self.field_of(m + 1);
+            let field = self.field_of(m + 1);
             let power = dot(&mut self.graph, &field, &slope);
             let bent = self.gradient(power);
             let bent = dot(&mut self.graph, &field, &bent);
-            average::add(&mut self.graph, &mut heat, bent, 0.5);
+            self.graph.add_to(&mut heat, bent, 0.5);
             if let Some(&(_, u)) = self.baths.iter().find(|bath| bath.0 == m + 1) {
-                let drift = self.graph.mul(u, power);
-                heat = self.graph.add(heat, drift);
+                heat = self.graph.add_product(heat, u, power);
             }
         }
         for &(i, rate) in friction {
             let Some(&slope) = slope.get(&i) else { continue };
             let y = self.graph.input(i);
             let lost = self.graph.mul(y, slope);
-            average::add(&mut self.graph, &mut heat, lost, -rate);
+            self.graph.add_to(&mut heat, lost, -rate);
         }
         self.tape(&[heat], [Y])
     }
@@ -639,7 +586,7 @@ impl Expressions {
     /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.
     pub fn in_time(mut self, y: &[f64]) -> (Graph, Vec<Id>) {
         let fields: Vec<Id> =
-            (0..=self.noises).flat_map(|m| self.field_of(m).1.into_values()).collect();
+            (0..=self.noises).flat_map(|m| self.field_of(m).into_values()).collect();
         let mut graph = Graph::new();
         let t = graph.input(0);
         let y: Vec<Id> = y.iter().map(|&y| graph.constant(y)).collect();
@@ -653,7 +600,7 @@ impl Expressions {
     pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
         let mut fields = vec![Vec::new(); self.dimension];
         for m in 0..=self.noises {
-            self.field_of(m).1.into_iter().for_each(|(i, field)| fields[i].push((m, field)));
+            self.field_of(m).into_iter().for_each(|(i, field)| fields[i].push((m, field)));
         }
         let names = self.names(state);
         let equation = |(i, name): (usize, &String)| {
@@ -692,22 +639,20 @@ impl Expressions {
         let mut right = y.to_vec();
         for (k, right) in right.iter_mut().enumerate() {
             let mut sum = self.field[k];
-            average::add(&mut self.graph, &mut sum, constant[k], 1.0);
-            average::add(&mut self.graph, right, sum, 0.5);
+            self.graph.add_to(&mut sum, constant[k], 1.0);
+            self.graph.add_to(right, sum, 0.5);
         }
         cayley::solve(&mut self.graph, matrix, right)
     }
 
     /// The columns of B, if it is affine: that of k is the field of yₖ.
     pub fn columns(&self) -> Option<Vec<Field>> {
-        let above: Vec<Id> = self.structure.iter().flatten().map(|entry| entry.above).collect();
-        let needed = self.graph.needed(&above);
-        let forms = forms(&self.graph, &needed, self.dimension);
-        let column = |(k, entries): (usize, &Vec<Entry>)| {
-            let entry = |entry: &Entry| {
-                let form = forms[place(&needed, entry.above)].as_ref()?;
-                // The entry in row i and column k, above the diagonal for i < k.
-                Some((entry.column, form.times(if entry.column < k { 1.0 } else { -1.0 })))
+        let above: Vec<Id> = self.structure.iter().flat_map(Sparse::values).copied().collect();
+        let forms = forms(&self.graph, &above, self.dimension);
+        let column = |(k, entries): (usize, &Sparse)| {
+            // The entry in row i and column k, above the diagonal for i < k.
+            let entry = |(&i, &above): (&usize, &Id)| {
+                Some((i, forms[above].as_ref()?.times(if i < k { 1.0 } else { -1.0 })))
             };
             entries.iter().map(entry).collect()
         };
@@ -716,22 +661,19 @@ impl Expressions {
 
     /// The rows of I − ½A(v), if B is affine.
     fn cayley_matrix(&mut self) -> Option<Vec<Sparse>> {
-        let (columns, v, one) = (self.columns()?, self.inputs(V), self.graph.constant(1.0));
+        let (columns, v) = (self.columns()?, self.inputs(V));
+        let [zero, one] = [0.0, 1.0].map(|x| self.graph.constant(x));
         let mut matrix = vec![Sparse::new(); self.dimension];
         for (v, column) in v.into_iter().zip(&columns) {
             for (&i, entry) in column {
                 for (&k, &slope) in &entry.slopes {
-                    let product = self.graph.scale(v, slope);
-                    let sum =
-                        matrix[i].get(&k).map_or(product, |&sum| self.graph.add(sum, product));
-                    matrix[i].insert(k, sum);
+                    self.graph.add_to(matrix[i].entry(k).or_insert(zero), v, slope);
                 }
             }
         }
         for (i, row) in matrix.iter_mut().enumerate() {
             row.values_mut().for_each(|entry| *entry = self.graph.scale(*entry, -0.5));
-            let diagonal = row.get(&i).map_or(one, |&entry| self.graph.add(entry, one));
-            row.insert(i, diagonal);
+            self.graph.add_to(row.entry(i).or_insert(zero), one, 1.0);
         }
         Some(matrix)
     }
@@ -744,8 +686,10 @@ impl Expressions {
     }
 
     /// h from y, dt, dw and t.
-    pub fn energy_tape(&self) -> Tape {
-        self.tape(&[self.energy], [Y, DT, DW, TIME])
+    pub fn energy_tape(&mut self) -> Tape {
+        let weights = self.weights();
+        let energy = self.graph.dot(&self.hamiltonians, &weights);
+        self.tape(&[energy], [Y, DT, DW, TIME])
     }
 
     /// Components in groups that B joins, by an entry or by what an entry reads.
@@ -753,36 +697,31 @@ impl Expressions {
         if self.is_plain() {
             return vec![(0..self.dimension).collect()];
         }
-        let of = |entries: &Vec<Entry>| {
-            let join = |entry: &Entry| {
-                self.reads(&[entry.above]).into_iter().chain([entry.column]).collect::<Vec<_>>()
-            };
-            entries.iter().flat_map(join).collect::<Vec<_>>()
+        let of = |entries: &Sparse| {
+            let above: Vec<Id> = entries.values().copied().collect();
+            self.reads(&above).into_iter().chain(entries.keys().copied()).collect()
         };
         connected(&self.structure.iter().map(of).collect::<Vec<_>>())
     }
 
-    /// The diagonal blocks of I − ½A(v) with their tapes: each has its components, and gives the
-    /// entries row by row.
-    pub fn cayley_blocks(&mut self) -> Vec<(Vec<usize>, Tape)> {
+    /// The diagonal blocks of I − ½A(v): the number of rows, and the tape of entries row by row.
+    pub fn cayley_blocks(&mut self) -> Vec<(usize, Tape)> {
         let Some(matrix) = self.cayley_matrix() else { return Vec::new() };
         let zero = self.graph.constant(0.0);
         let joined: Vec<Vec<usize>> =
             matrix.iter().map(|row| row.keys().copied().collect()).collect();
         let block = |components: Vec<usize>| {
-            let entry = |&i: &usize, &k: &usize| matrix[i].get(&k).copied().unwrap_or(zero);
-            let entries: Vec<Id> = components
-                .iter()
-                .flat_map(|i| components.iter().map(|k| entry(i, k)).collect::<Vec<_>>())
-                .collect();
-            let tape = self.tape(&entries, [V]);
-            (components, tape)
+            let row = |&i: &usize| {
+                let row = &matrix[i];
+                components.iter().map(move |k| row.get(k).copied().unwrap_or(zero))
+            };
+            let entries: Vec<Id> = components.iter().flat_map(row).collect();
+            (components.len(), self.tape(&entries, [V]))
         };
         connected(&joined).into_iter().map(block).collect()
     }
 
-    fn tape(&self, roots: &[Id], groups: impl IntoIterator<Item = usize>) -> Tape {
-        let groups: Vec<_> = groups.into_iter().map(|group| self.group(group)).collect();
-        Tape::new(&self.graph, roots, &groups)
+    fn tape<const N: usize>(&self, roots: &[Id], groups: [usize; N]) -> Tape {
+        Tape::new(&self.graph, roots, &groups.map(|group| self.group(group)))
     }
 }

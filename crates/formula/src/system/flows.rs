@@ -7,13 +7,16 @@
 //! kick, and one that multiplies components by what it does not change is a growth. Terms of none
 //! of these forms are one part, whose steps preserve its energy.
 
-use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
-    slice::from_ref,
-};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::{expressions::Expressions, sparse::Field};
-use expression::{Affine, Binary, Graph, Id, Node, Unary, Weighted, forms, place, terms};
+use expression::{
+    Affine,
+    Binary::{Div, Max, Mul},
+    Graph, Id, Node,
+    Unary::{Cos, Cosh, Exp, Sin, Sinc, Sinh, Sqrt},
+    Weighted, forms, terms,
+};
 
 /// A part: a sum of terms of the Hamiltonians that has one flow.
 #[derive(Clone)]
@@ -66,31 +69,28 @@ struct Linear {
 #[derive(Clone, Default)]
 struct Involution {
     all: Vec<Linear>,
-    /// Numbers of the functions whose first slope is of a component.
-    first: HashMap<usize, Vec<usize>>,
-    /// Numbers of the functions whose field moves a component.
-    moving: HashMap<usize, Vec<usize>>,
+    /// Numbers of the functions whose first slope is of a component, or whose field moves it.
+    near: HashMap<usize, Vec<usize>>,
 }
 
 impl Involution {
     /// The function that this is a multiple of, and the factor.
     fn multiple(&self, slopes: &Affine) -> Option<(usize, f64)> {
-        let known = self.first.get(slopes.slopes.keys().next()?)?;
+        let known = self.near.get(slopes.slopes.keys().next()?)?;
         known.iter().find_map(|&n| Some((n, slopes.over(&self.all[n].slopes)?)))
     }
 
     /// Whether all brackets with a function are zero.
     fn commutes(&self, one: &Linear) -> bool {
-        let near = one.slopes.slopes.keys().filter_map(|k| self.moving.get(k)).flatten();
-        near.copied().collect::<BTreeSet<_>>().into_iter().all(|n| self.all[n].commutes(one))
+        let near = one.slopes.slopes.keys().filter_map(|k| self.near.get(k)).flatten();
+        BTreeSet::from_iter(near).into_iter().all(|&n| self.all[n].commutes(one))
     }
 
     fn push(&mut self, one: Linear) {
-        let n = self.all.len();
-        if let Some(&k) = one.slopes.slopes.keys().next() {
-            self.first.entry(k).or_default().push(n);
+        let components = one.slopes.slopes.keys().take(1).chain(one.field.keys());
+        for &k in components {
+            self.near.entry(k).or_default().push(self.all.len());
         }
-        one.field.keys().for_each(|&k| self.moving.entry(k).or_default().push(n));
         self.all.push(one);
     }
 }
@@ -113,18 +113,20 @@ impl Part {
 
     /// Name of the form in words.
     pub fn kind(&self) -> &'static str {
-        let is = |cube: fn(f64) -> bool, all: &[Linear]| {
-            all.iter().flat_map(|one| &one.motions).any(|motion| cube(motion.cube))
-        };
         match &self.kind {
             Kind::Pairs { .. } => "turn of pairs",
             Kind::Kick { grown, .. } if grown.is_empty() => "kick",
             Kind::Kick { .. } => "growth",
             Kind::Rest => "energy-preserving step",
             Kind::Quadratic { .. } => "exact flow",
-            Kind::Linear(known) if is(|cube| cube < 0.0, &known.all) => "turn",
-            Kind::Linear(known) if is(|cube| cube > 0.0, &known.all) => "boost",
-            Kind::Linear(_) => "kick",
+            Kind::Linear(known) => {
+                let mut motions = known.all.iter().flat_map(|one| &one.motions);
+                match motions.clone().any(|motion| motion.cube < 0.0) {
+                    true => "turn",
+                    false if motions.any(|motion| motion.cube > 0.0) => "boost",
+                    false => "kick",
+                }
+            }
         }
     }
 }
@@ -138,17 +140,13 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
             None => found.push((group, kind)),
         }
     }
-    let mut parts = Vec::new();
-    for (terms, kind) in found {
-        let flow = kind.flow(system, &terms);
-        let length = match kind {
-            Kind::Rest => usize::MAX,
-            _ => system.graph.needed(&flow).len(),
-        };
-        parts.push((length, Part { terms, kind, flow }));
-    }
-    parts.sort_by_key(|(length, _)| *length);
-    parts.into_iter().map(|(_, part)| part).collect()
+    let part = |(terms, kind): Single| Part { flow: kind.flow(system, &terms), terms, kind };
+    let mut parts: Vec<Part> = found.into_iter().map(part).collect();
+    parts.sort_by_cached_key(|part| match part.kind {
+        Kind::Rest => usize::MAX,
+        _ => system.graph.needed(&part.flow).len(),
+    });
+    parts
 }
 
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
@@ -205,29 +203,27 @@ fn quadratic(
     if !degrees.contains(&Some(2)) {
         return None;
     }
-    let mut quadratic = degrees.iter().map(|degree| matches!(degree, Some(..=2)));
-    let few: Vec<Term> =
-        all.iter().zip(quadratic.clone()).filter(|(_, is)| *is).map(|x| x.0.clone()).collect();
+    let mut degrees = degrees.into_iter();
+    let (few, rest): (Vec<Term>, Vec<Term>) =
+        all.iter().cloned().partition(|_| matches!(degrees.next(), Some(Some(..=2))));
     let weighted: Vec<Weighted> =
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
     let gradient = system.slopes(&weighted);
     let slopes: Vec<Id> = gradient.values().copied().collect();
-    let needed = system.graph.needed(&slopes);
-    let forms = forms(&system.graph, &needed, system.dimension);
+    let forms = forms(&system.graph, &slopes, system.dimension);
     let mut field = Field::new();
     for (k, slope) in gradient {
-        let slope = forms[place(&needed, slope)].as_ref()?;
+        let slope = forms[slope].as_ref()?;
         for (&i, entry) in &columns[k] {
             field.entry(i).or_default().add(entry.constant, slope);
         }
     }
-    field.retain(|_, form| !form.is_zero());
-    let field = Linear { slopes: Affine::default(), motions: motions(&field)?, field };
+    let field = Linear::with_field(Affine::default(), field)?;
     let cubes = || field.motions.iter().map(|motion| motion.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
         return None;
     }
-    all.retain(|_| quadratic.next() != Some(true));
+    *all = rest;
     Some((few, Kind::Quadratic { field, shares: vec![(m, 1.0)] }))
 }
 
@@ -240,12 +236,10 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
             let graph = &system.graph;
             let factor = factor * graph.as_constant(weight).unwrap_or(1.0);
             match graph.node(root) {
-                Node::Binary(Binary::Div, a, c) if graph.as_constant(c).is_some() => {
-                    open.push((a, factor / graph.as_constant(c).unwrap_or(1.0)));
+                Node::Binary(Div, a, c) if graph.as_constant(c).is_some() => {
+                    open.extend(graph.as_constant(c).map(|c| (a, factor / c)));
                 }
-                Node::Binary(Binary::Mul, a, b)
-                    if graph.scaled(a).or(graph.scaled(b)).is_some() =>
-                {
+                Node::Binary(Mul, a, b) if graph.scaled(a).or(graph.scaled(b)).is_some() => {
                     let [(x, c), (y, d)] = [a, b].map(|id| graph.scaled(id).unwrap_or((id, 1.0)));
                     open.push((system.graph.mul(x, y), factor * c * d));
                 }
@@ -262,18 +256,15 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
 
 /// The maximal subexpressions of a function that are linear in y, with their directions.
 fn linear_functions(graph: &Graph, root: Id, dimension: usize) -> Vec<(Id, Affine)> {
-    let needed = graph.needed(from_ref(&root));
-    let forms = forms(graph, &needed, dimension);
+    let forms = forms(graph, &[root], dimension);
     let (mut open, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
             continue;
         }
-        match &forms[place(&needed, id)] {
+        match &forms[id] {
             Some(form) if form.slopes.is_empty() => {}
-            Some(form) => {
-                found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
-            }
+            Some(form) => found.push((id, Affine { constant: 0.0, ..form.clone() })),
             None => open.extend(graph.node(id).operands()),
         }
     }
@@ -303,6 +294,10 @@ impl Linear {
                 field.entry(i).or_default().add(slope, form);
             }
         }
+        Self::with_field(slopes, field)
+    }
+
+    fn with_field(slopes: Affine, mut field: Field) -> Option<Self> {
         field.retain(|_, form| !form.is_zero());
         Some(Self { slopes, motions: motions(&field)?, field })
     }
@@ -318,13 +313,7 @@ impl Linear {
 
     /// Whether {ℓ, ℓ′} = 0.
     fn commutes(&self, other: &Self) -> bool {
-        let mut bracket = Affine::default();
-        for (k, &slope) in &other.slopes.slopes {
-            if let Some(form) = self.field.get(k) {
-                bracket.add(slope, form);
-            }
-        }
-        bracket.is_zero()
+        along(&other.slopes, &self.field).is_zero()
     }
 
     /// Advances y by the flow of the field for a time.
@@ -333,13 +322,11 @@ impl Linear {
         for Motion { component: k, cube, second } in &self.motions {
             let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
             let angle = graph.scale(time, rate);
-            let weights = by_cube(graph, angle, *cube);
+            let [odd, even] = by_cube(graph, angle, *cube);
             let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
-            let [first, second] = [0, 1].map(|n| {
-                let form = forms[n].expression(graph, &start);
-                graph.mul(form, weights[n])
-            });
-            let change = graph.add(first, second);
+            let [first, second] = forms.map(|form| form.expression(graph, &start));
+            let change = graph.mul(first, odd);
+            let change = graph.add_product(change, second, even);
             y[*k] = graph.add(start[*k], change);
         }
     }
@@ -347,22 +334,12 @@ impl Linear {
 
 /// The motion of each component, if it has a closed form.
 fn motions(field: &Field) -> Option<Vec<Motion>> {
-    // The derivative of a form along the field.
-    let along = |form: &Affine| {
-        let mut sum = Affine::default();
-        for (k, &slope) in &form.slopes {
-            if let Some(field) = field.get(k) {
-                sum.add(slope, field);
-            }
-        }
-        sum
-    };
-    let mut motions = Vec::new();
+    let mut motions: Vec<Motion> = Vec::new();
     for (&component, first) in field {
-        let second = along(first);
-        let third = along(&second);
+        let second = along(first, field);
+        let third = along(&second, field);
         // That of the component before saves a sine and a cosine.
-        let known = motions.last().map(|known: &Motion| known.cube);
+        let known = motions.last().map(|known| known.cube);
         let known = known.filter(|&cube| third.is_multiple(cube, first));
         let cube = if third.is_zero() { 0.0 } else { known.or(third.over(first))? };
         motions.push(Motion { component, cube, second });
@@ -370,19 +347,24 @@ fn motions(field: &Field) -> Option<Vec<Motion>> {
     Some(motions)
 }
 
+/// The derivative of a form along a field.
+fn along(form: &Affine, field: &Field) -> Affine {
+    let mut sum = Affine::default();
+    for (k, &slope) in &form.slopes {
+        field.get(k).into_iter().for_each(|field| sum.add(slope, field));
+    }
+    sum
+}
+
 /// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k
 /// on.
 fn vectors(columns: &[Field]) -> Vec<Option<[usize; 3]>> {
     // The two components that the field of yₖ turns as y × eₖ does.
     let axis = |k: usize| {
-        let mut moved = columns[k].iter();
-        let ((&i, one), (&j, other), None) = (moved.next()?, moved.next()?, moved.next()) else {
-            return None;
-        };
-        if *one == Affine::input(j) && *other == Affine::input(i).times(-1.0) {
-            return Some([i, j]);
-        }
-        (*other == Affine::input(i) && *one == Affine::input(j).times(-1.0)).then_some([j, i])
+        let [(&i, one), (&j, other)] = Vec::from_iter(&columns[k])[..] else { return None };
+        let is = |form: &Affine, k: usize, sign: f64| *form == Affine::input(k).times(sign);
+        let turns = |sign: f64| is(one, j, sign) && is(other, i, -sign);
+        if turns(1.0) { Some([i, j]) } else { turns(-1.0).then_some([j, i]) }
     };
     let vector = |k: usize| {
         let [i, j] = axis(k)?;
@@ -431,12 +413,11 @@ fn pairs(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Ter
         };
         if let Some((terms, vectors)) = pair() {
             taken.extend(terms);
-            let taken = vectors.iter().flatten().copied().collect();
-            found.push((terms, Kind::Pairs { pairs: vec![vectors], taken }));
+            let components = vectors.iter().flatten().copied().collect();
+            let kind = Kind::Pairs { pairs: vec![vectors], taken: components };
+            found.push((terms.map(|n| all[n].clone()).to_vec(), kind));
         }
     }
-    let of = |(terms, kind): ([usize; 3], Kind)| (terms.map(|n| all[n].clone()).to_vec(), kind);
-    let found = found.into_iter().map(of).collect();
     let mut n = 0..;
     all.retain(|_| !n.next().is_some_and(|n| taken.contains(&n)));
     found
@@ -444,7 +425,7 @@ fn pairs(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Ter
 
 /// The components, in their order, whose product a term is.
 fn product(system: &Expressions, term: &Term) -> Option<[usize; 2]> {
-    let Node::Binary(Binary::Mul, a, b) = system.graph.node(term.root) else { return None };
+    let Node::Binary(Mul, a, b) = system.graph.node(term.root) else { return None };
     let mut both = [system.component(a)?, system.component(b)?];
     both.sort_unstable();
     Some(both)
@@ -473,10 +454,10 @@ impl Kind {
         match (self, other) {
             (Self::Linear(known), Self::Linear(new)) => {
                 let is_new = |one: &&Linear| known.multiple(&one.slopes).is_none();
-                let new: Vec<Linear> = new.all.iter().filter(is_new).cloned().collect();
+                let new: Vec<&Linear> = new.all.iter().filter(is_new).collect();
                 let commute = new.iter().all(|one| known.commutes(one));
                 if commute {
-                    new.into_iter().for_each(|one| known.push(one));
+                    new.into_iter().for_each(|one| known.push(one.clone()));
                 }
                 commute
             }
@@ -497,10 +478,9 @@ impl Kind {
             }
             (Self::Kick { changed, grown, read }, Self::Kick { changed: c, grown: g, read: r }) => {
                 // No component both grows and is pushed.
-                let apart = c.iter().all(|k| {
-                    !read.contains(k)
-                        && (!changed.contains(k) || grown.contains(k) == g.contains(k))
-                }) && r.iter().all(|k| !changed.contains(k));
+                let apart = changed.is_disjoint(r)
+                    && c.is_disjoint(read)
+                    && c.intersection(changed).all(|k| grown.contains(k) == g.contains(k));
                 if apart {
                     changed.extend(c);
                     grown.extend(g);
@@ -528,15 +508,14 @@ impl Kind {
             }
             Self::Rest => {}
             Self::Pairs { pairs, .. } => {
-                let mut of: HashMap<[usize; 2], Vec<Term>> = HashMap::new();
+                let mut of: HashMap<_, Vec<_>> = HashMap::new();
                 for term in terms {
-                    let product = product(system, term).unwrap_or_default();
-                    of.entry(product).or_default().push(term.clone());
+                    of.entry(product(system, term)).or_default().push((term.of, term.factor));
                 }
                 for vectors in pairs {
                     let mut first = vectors.map(|vector| vector[0]);
                     first.sort_unstable();
-                    let time = system.weight(&of[&first]);
+                    let time = system.weighted(&of[&Some(first)]);
                     turn_pair(&mut system.graph, time, vectors, &mut y);
                 }
             }
@@ -551,9 +530,8 @@ impl Kind {
                     }
                 }
                 for k in 0..y.len() {
-                    let factor = system.graph.unary(Unary::Exp, rates[k]);
-                    let grown = system.graph.mul(y[k], factor);
-                    y[k] = system.graph.add(grown, changes[k]);
+                    let factor = system.graph.unary(Exp, rates[k]);
+                    y[k] = system.graph.add_product(changes[k], y[k], factor);
                 }
             }
         }
@@ -568,9 +546,9 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
     let total = [0, 1, 2].map(|k| graph.add(a[k], b[k]));
     // sin(ωt)/ω and (1 − cos ωt)/ω² with ω = |s|, which may be zero.
     let square = graph.dot(&total, &total);
-    let (rate, half_time) = (graph.unary(Unary::Sqrt, square), graph.scale(time, 0.5));
+    let (rate, half_time) = (graph.unary(Sqrt, square), graph.scale(time, 0.5));
     let half = graph.mul(rate, half_time);
-    let [sinc, cos] = [Unary::Sinc, Unary::Cos].map(|function| graph.unary(function, half));
+    let [sinc, cos] = [Sinc, Cos].map(|function| graph.unary(function, half));
     let scaled = graph.mul(time, sinc);
     let (first, second) = (graph.mul(scaled, cos), graph.power(scaled, 2));
     let second = graph.scale(second, 0.5);
@@ -578,19 +556,18 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
         let turned = graph.cross(&known, &total);
         let twice = graph.cross(&turned, &total);
         let moved = [0, 1, 2].map(|k| {
-            let (one, two) = (graph.mul(turned[k], first), graph.mul(twice[k], second));
-            let change = graph.add(one, two);
+            let change = graph.mul(turned[k], first);
+            let change = graph.add_product(change, twice[k], second);
             graph.add(known[k], change)
         });
         // 1 + ½(|a|² − |a′|²)/|a|², and 1 where a is zero.
         let [before, after] = [known, moved].map(|vector| graph.dot(&vector, &vector));
         let (lost, least) = (graph.sub(before, after), graph.constant(f64::MIN_POSITIVE));
-        let before = graph.binary(Binary::Max, before, least);
-        let share = graph.binary(Binary::Div, lost, before);
+        let before = graph.binary(Max, before, least);
+        let share = graph.div(lost, before);
         let share = graph.scale(share, 0.5);
         for k in 0..3 {
-            let change = graph.mul(moved[k], share);
-            y[vector[k]] = graph.add(moved[k], change);
+            y[vector[k]] = graph.add_product(moved[k], moved[k], share);
         }
     }
 }
@@ -600,12 +577,11 @@ fn angles(system: &mut Expressions, known: &Involution, terms: &[Term]) -> Vec<I
     let mut sums = vec![system.graph.constant(0.0); known.all.len()];
     for term in terms {
         let roots: Vec<Id> = term.functions.iter().map(|(id, _)| *id).collect();
-        let weight = system.weight(from_ref(term));
+        let weight = system.weighted(&[(term.of, term.factor)]);
         let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
         for ((_, function), slope) in term.functions.iter().zip(slopes) {
             if let Some((n, share)) = known.multiple(function) {
-                let share = system.graph.scale(slope, share);
-                sums[n] = system.graph.add(sums[n], share);
+                system.graph.add_to(&mut sums[n], slope, share);
             }
         }
     }
@@ -620,8 +596,8 @@ fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
             let square = graph.power(time, 2);
             return [time, graph.scale(square, 0.5)];
         }
-        ..0.0 => [Unary::Sin, Unary::Cos],
-        _ => [Unary::Sinh, Unary::Cosh],
+        ..0.0 => [Sin, Cos],
+        _ => [Sinh, Cosh],
     };
     // Of half of the angle, so that nothing cancels.
     let half = graph.scale(time, 0.5);

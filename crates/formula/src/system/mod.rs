@@ -20,9 +20,7 @@ use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
     probe::shown_solvable,
-    run_time::{
-        Description, InTime, MAX_INPUTS, Move, Op, Parts, Program, Recorded, System, Weights,
-    },
+    run_time::{Description, InTime, Move, Op, Parts, Program, Recorded, System, Weights},
 };
 
 pub use definition::{Bath, Definition, DefinitionError, Equation, Structure, Which};
@@ -119,21 +117,13 @@ impl FormulaSystem {
     /// times that differ from path to path; without baths.
     #[must_use]
     pub fn by_flows(&self, y0: &[f64]) -> Self {
-        let Self { description: Description { name, .. }, formulas, .. } = self;
-        let names = formulas.names.clone();
-        let zero = Formula::parse("0", &names).expect("a number is a formula");
-        let hamiltonians = [zero].into_iter().chain(formulas.hamiltonians.iter().cloned());
-        let formulas = Formulas {
-            dimension: formulas.dimension,
-            structure: formulas.structure.clone(),
-            hamiltonians: hamiltonians.collect(),
-            temperatures: Vec::new(),
-            names,
-            fields: Vec::new(),
-            ito: false,
-        };
+        let mut formulas = Formulas::clone(&self.formulas);
+        let zero = Formula::parse("0", &formulas.names).expect("a number is a formula");
+        formulas.hamiltonians.insert(0, zero);
+        (formulas.temperatures, formulas.fields, formulas.ito) = (Vec::new(), Vec::new(), false);
         let state = formulas.names.variables().to_vec();
-        let definition = Definition { name: name.clone(), state, ..Definition::default() };
+        let name = self.description.name.clone();
+        let definition = Definition { name, state, ..Definition::default() };
         Self::with_parts(&definition, Arc::new(formulas), y0)
     }
 
@@ -147,10 +137,9 @@ impl FormulaSystem {
         let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
         let [of_structure, of_energy] = expressions.degrees();
         let plain = expressions.is_plain();
-        let linearity = match of_structure {
-            _ if plain => Linearity::Other,
-            Some(0) if has_step => Linearity::Constant,
-            Some(1) if has_step => Linearity::Affine,
+        let linearity = match of_structure.filter(|_| has_step && !plain) {
+            Some(0) => Linearity::Constant,
+            Some(1) => Linearity::Affine,
             _ => Linearity::Other,
         };
         let nodes = of_energy.filter(|_| !plain).map_or(NODES, |degree| {
@@ -161,21 +150,21 @@ impl FormulaSystem {
             Linearity::Constant => true,
             Linearity::Affine => {
                 let blocks = expressions.cayley_blocks();
-                let small = blocks.iter().all(|(components, _)| components.len() <= MAX_BLOCK);
-                small
-                    && shown_solvable(y0.len(), |v| {
-                        let of_block = |(components, matrix): &(Vec<usize>, Tape)| {
-                            let mut entries = vec![0.0; components.len().pow(2)];
-                            matrix.evaluate_one(&[v], &mut entries);
-                            entries.chunks(components.len()).map(Vec::from).collect()
-                        };
-                        blocks.iter().map(of_block).collect()
-                    })
+                let matrices = |v: &[f64]| {
+                    let matrix = |(size, matrix): &(usize, Tape)| {
+                        let mut entries = vec![0.0; size * size];
+                        matrix.evaluate_one(&[v], &mut entries);
+                        entries.chunks(*size).map(Vec::from).collect()
+                    };
+                    blocks.iter().map(matrix).collect()
+                };
+                blocks.iter().all(|(size, _)| *size <= MAX_BLOCK)
+                    && shown_solvable(y0.len(), matrices)
             }
         };
         let rule = Rule::new(nodes).expect("a rule has a node or more");
-        let parameters =
-            definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
+        let parameters = definition.parameters.iter();
+        let parameters = parameters.map(|(name, value)| format!("{name} = {value}"));
         let (dimension, noises) = (definition.state.len(), formulas.hamiltonians.len() - 1);
         let has_guard = expressions.have_domain();
         let [noises_commute, jacobi_holds] = expressions.commutators(y0);
@@ -274,16 +263,16 @@ impl System for FormulaSystem {
         out: &mut [Row],
         _: &mut [Row],
     ) {
-        let (mut inputs, mut count) = ([&[][..]; MAX_INPUTS], 0);
+        let mut inputs = Vec::new();
         let op = op.map(|state| {
-            inputs[count] = state;
-            count += 1;
-            count - 1
+            inputs.push(state);
+            inputs.len() - 1
         });
+        let count = inputs.len();
         let states = (0..count).map(Recorded::Input);
         let nodes: Vec<Recorded> = states.chain([Recorded::Of(op)]).collect();
         match self.compile(&nodes, count, &[count]) {
-            Some(mut program) => program.run(&inputs[..count], &[], h, out),
+            Some(mut program) => program.run(&inputs, &[], h, out),
             None => unreachable!("{} has no {op:?}", self.description.name),
         }
     }
@@ -296,16 +285,15 @@ impl System for FormulaSystem {
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
         let key = Key::Formula(operations.into(), inputs, results.into());
-        Some(Box::new(self.programs.program(&self.expressions, key)?))
+        self.programs.program(&self.expressions, key)
     }
 
     fn rest(&self) -> Option<&dyn System> {
-        self.rest.as_ref().map(|rest| &**rest as _)
+        self.rest.as_deref().map(|rest| rest as _)
     }
 
     fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
-        let key = Key::Composition(moves.into());
-        Some(Box::new(self.programs.program(&self.expressions, key)?))
+        self.programs.program(&self.expressions, Key::Composition(moves.into()))
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
@@ -329,16 +317,13 @@ impl System for FormulaSystem {
     /// The formulas of B, H₀ and Hₘ, or of fields, must be finite. The error names the first
     /// component that the formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
-        let mut all = self.formulas.all();
         let start = [y, &[0.0]].concat();
-        let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);
-        match all.find(|formula| !at_start(formula).is_finite()) {
-            None => Ok(()),
-            Some(formula) => {
-                let i = formula.reads().into_iter().find(|&i| i < y.len()).unwrap_or(0);
-                Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
-            }
-        }
+        let at_start = |formula: &&Formula| formula.value(&start[..formula.variables.len()]);
+        let outside = self.formulas.all().find(|formula| !at_start(formula).is_finite());
+        outside.map_or(Ok(()), |formula| {
+            let i = formula.reads().into_iter().find(|&i| i < y.len()).unwrap_or(0);
+            Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
+        })
     }
 }
 

@@ -30,11 +30,8 @@ impl Expressions {
             let mut of = (0..all.len()).filter(|&k| all[k].contains_key(&m));
             of.next().filter(|&k| of.next().is_none() && !found[k].is_rest())
         };
-        let rest: Vec<Term> = found
-            .iter()
-            .filter(|part| part.is_rest())
-            .flat_map(|part| part.terms.clone())
-            .collect();
+        let rest = found.iter().filter(|part| part.is_rest());
+        let rest: Vec<Term> = rest.flat_map(|part| part.terms.clone()).collect();
         let parts = match &rest[..] {
             [term, ..] if found.len() < 2 => {
                 Err(format!("no flow of {} is known", text(term.root, 1.0)))
@@ -51,10 +48,9 @@ impl Expressions {
                     .collect(),
             }),
         };
-        let mut graph = Graph::new();
+        let (graph, flows) = &mut self.flows;
         let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, |_| None);
-        self.flows.1 = found.iter().map(flow).collect();
-        self.flows.0 = graph;
+        flows.extend(found.iter().map(flow));
         (parts, apart.graph, rest)
     }
 }

@@ -13,6 +13,7 @@ use super::{
     MAX_EXPRESSIONS,
     average::point,
     expressions::{Expressions, number_of_areas},
+    sparse::consecutive,
 };
 use expression::{Graph, Id, Numbers, Tape};
 
@@ -34,23 +35,19 @@ pub enum Key {
 
 impl Programs {
     /// The tape of a formula; none if it would be too long.
-    pub fn program(&self, system: &Expressions, key: Key) -> Option<FormulaProgram> {
+    pub fn program(&self, system: &Expressions, key: Key) -> Option<Box<dyn Program>> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let compiled = match known.iter().find(|(known, _)| *known == key) {
-            Some((_, compiled)) => compiled.clone(),
-            None => {
-                let compiled = match &key {
-                    Key::Formula(nodes, inputs, results) => {
-                        SchemeTape::formula(system, nodes, *inputs, results)
-                    }
-                    Key::Composition(moves) => Some(SchemeTape::composition(system, moves)),
-                };
-                let compiled = compiled.map(Arc::new);
-                known.push((key, compiled.clone()));
-                compiled
-            }
-        }?;
-        Some(FormulaProgram::new(compiled))
+        let place = known.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
+            let compiled = match &key {
+                Key::Formula(nodes, inputs, results) => {
+                    SchemeTape::formula(system, nodes, *inputs, results)
+                }
+                Key::Composition(moves) => Some(SchemeTape::composition(system, moves)),
+            };
+            known.push((key, compiled.map(Arc::new)));
+            known.len() - 1
+        });
+        known[place].1.clone().map(|compiled| Box::new(FormulaProgram::new(compiled)) as _)
     }
 }
 
@@ -76,16 +73,6 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    /// The guard of a system, a function of y and t; dt is not read.
-    fn guard(system: &mut Expressions) -> Self {
-        let (d, guard, mut graph) = (system.dimension, system.guard(), Graph::new());
-        let t = graph.input(d + 1);
-        let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
-        let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
-        let multiples = Vec::new();
-        Self { tape, multiples, noise_rows: None, reads_areas: false, reads_time: true }
-    }
-
     fn composition(system: &Expressions, moves: &[Move]) -> Self {
         let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
         let factor_of = |one: &Move| match *one {
@@ -96,13 +83,8 @@ impl SchemeTape {
         let reads = |one: &Move| matches!(one, Move::Flow { area, .. } if *area != 0.0);
         let reads_space_time = moves.iter().any(reads);
         // y, dt, factors, t, dw and space-time areas.
-        let (time, noise) = (d + 1 + count, d + 2 + count);
-        let weights: Vec<Id> =
-            [d].into_iter().chain(noise..noise + m).map(|k| graph.input(k)).collect();
-        let areas: Vec<Id> = (noise + m..noise + 2 * m).map(|k| graph.input(k)).collect();
-        let factors: Vec<Id> = (0..count).map(|k| graph.input(d + 1 + k)).collect();
-        let t = graph.input(time);
-        let mut y: Vec<Id> = (0..d).map(|k| graph.input(k)).collect();
+        let inputs = consecutive([d, 1, count, 1, m, m]);
+        let [mut y, dt, factors, t, dw, areas] = inputs.clone().map(|of| graph.inputs(of));
         for one in moves {
             match *one {
                 Move::Scale(k) => y.iter_mut().for_each(|y| *y = graph.mul(*y, factors[k])),
@@ -110,27 +92,26 @@ impl SchemeTape {
                     y[component] = graph.mul(y[component], factors[factor]);
                 }
                 Move::Flow { part, drift, noise, area, only } => {
-                    let moves = |m: usize| only.is_none_or(|only| m == only);
-                    let mut shares = vec![graph.scale(weights[0], drift)];
+                    let mut weights = vec![graph.scale(dt[0], drift)];
                     for k in 0..m {
-                        let share = if moves(k) { [noise, area] } else { [0.0; 2] };
-                        let increment = graph.scale(weights[k + 1], share[0]);
-                        let area = graph.scale(areas[k], share[1]);
-                        shares.push(graph.add(increment, area));
+                        let moves = only.is_none_or(|only| k == only);
+                        let [noise, area] = if moves { [noise, area] } else { [0.0; 2] };
+                        let mut weight = graph.scale(dw[k], noise);
+                        graph.add_to(&mut weight, areas[k], area);
+                        weights.push(weight);
                     }
-                    y = system.flow(part, &mut graph, &y, &shares, t);
+                    y = system.flow(part, &mut graph, &y, &weights, t[0]);
                 }
             }
         }
         let reads_time = system.depend_on_time();
-        let uniform = d..time + usize::from(reads_time);
-        let noise_rows = if reads_space_time { 2 * m } else { m };
-        let rows = noise..noise + noise_rows;
-        let groups: Vec<_> = once(0..d).chain((m > 0).then_some(rows)).collect();
+        let [states, first, _, time, noise, areas] = inputs;
+        let noise = noise.start..if reads_space_time { areas.end } else { noise.end };
+        let noise_rows = (m > 0).then_some(noise.len());
+        let groups: Vec<_> = once(states).chain((m > 0).then_some(noise)).collect();
+        let uniform = first.start..time.start + usize::from(reads_time);
         let tape = Tape::with_numbers(&graph, &y, &groups, uniform);
-        let multiples = (0..count).collect();
-        let noise_rows = (m > 0).then_some(noise_rows);
-        Self { tape, multiples, noise_rows, reads_areas: false, reads_time }
+        Self { tape, multiples: (0..count).collect(), noise_rows, reads_areas: false, reads_time }
     }
 
     fn formula(
@@ -141,42 +122,38 @@ impl SchemeTape {
     ) -> Option<Self> {
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
-        let numbers = inputs * system.dimension;
-        let (t, reads_time) = (numbers + 1 + multiples.len(), system.depend_on_time());
-        let noise = t + 1;
-        let mut graph = Graph::new();
-        let dt = graph.input(numbers);
-        let areas = noise + system.noises;
-        let end = areas + number_of_areas(system.noises);
-        let more = (noise..end).chain([t]).map(|k| graph.input(k));
-        let weights = once(dt).chain(more).collect();
-        let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * system.dimension);
+        let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
+        // States, dt, factors, t, dw and areas.
+        let all = consecutive([inputs * d, 1, multiples.len(), 1, m, number_of_areas(m)]);
+        let [_, dt, factors, t, dw, areas] = all.clone().map(|of| graph.inputs(of));
+        let weights = [dt, dw, areas, t].concat();
+        let most = MAX_EXPRESSIONS.max(MAX_PER_COMPONENT * d);
         let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
-            let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
-            let state = builder.state(node, factor)?;
+            let state = builder.state(node, factor.map(|k| factors[k]))?;
             builder.states.push(state);
             // One operation may be longer.
             if builder.graph.size() > most && nodes.len() > inputs + 1 {
                 return None;
             }
         }
-        let states = (0..inputs).map(|k| k * system.dimension..(k + 1) * system.dimension);
+        if inputs > MAX_INPUTS {
+            return None;
+        }
+        let states = (0..inputs).map(|k| k * d..(k + 1) * d);
         let reads = |of: fn(&Op<usize>) -> bool| {
             nodes.iter().any(|node| matches!(node, Recorded::Of(op) if of(op)))
         };
         let (reads_noise, reads_areas) = (reads(Op::reads_weights), reads(Op::reads_areas));
-        let noises = reads_noise.then_some(noise..areas);
-        let groups: Vec<_> =
-            states.chain(noises).chain(reads_areas.then_some(areas..end)).collect();
-        if inputs > MAX_INPUTS {
-            return None;
-        }
+        let [_, first, _, time, noise, areas] = all;
+        let (noise, areas) = (reads_noise.then_some(noise), reads_areas.then_some(areas));
+        let groups: Vec<_> = states.chain(noise).chain(areas).collect();
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
-        let uniform = numbers..t + usize::from(reads_time);
+        let reads_time = system.depend_on_time();
+        let uniform = first.start..time.start + usize::from(reads_time);
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, uniform);
-        let noise_rows = reads_noise.then_some(system.noises);
+        let noise_rows = reads_noise.then_some(m);
         Some(Self { tape, multiples, noise_rows, reads_areas, reads_time })
     }
 }
@@ -187,9 +164,16 @@ impl FormulaProgram {
         Self { numbers: compiled.tape.numbers.clone(), compiled, scratch }
     }
 
-    /// The guard of a system.
+    /// The guard of a system, a function of y and t; dt is not read.
     pub(super) fn guard(system: &mut Expressions) -> Self {
-        Self::new(Arc::new(SchemeTape::guard(system)))
+        let (d, guard, mut graph) = (system.dimension, system.guard(), Graph::new());
+        let t = graph.input(d + 1);
+        let guard = graph.copy(Some(&system.graph), &[guard], |k| (k >= d).then_some(t));
+        let tape = Tape::with_numbers(&graph, &guard, from_ref(&(0..d)), d..d + 2);
+        let (multiples, noise_rows) = (Vec::new(), None);
+        let guard =
+            SchemeTape { tape, multiples, noise_rows, reads_areas: false, reads_time: true };
+        Self::new(Arc::new(guard))
     }
 
     /// The tape.
@@ -244,8 +228,8 @@ impl SchemeBuilder<'_> {
         let of = |n: usize| self.states[n].clone();
         Some(match node {
             Recorded::Input(k) => {
-                let first = k * self.system.dimension;
-                (first..first + self.system.dimension).map(|k| self.graph.input(k)).collect()
+                let d = self.system.dimension;
+                self.graph.inputs(k * d..(k + 1) * d)
             }
             Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
             Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
@@ -253,10 +237,7 @@ impl SchemeBuilder<'_> {
                 let (state, factor) = (of(a), factor?);
                 state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            Recorded::Of(op) => {
-                let op = op.map(|n| self.states[n].clone());
-                self.apply(op)?
-            }
+            Recorded::Of(op) => self.apply(op.map(of))?,
         })
     }
 
@@ -280,13 +261,12 @@ impl SchemeBuilder<'_> {
             }
             op => {
                 let (groups, roots) = self.system.of(&op)?;
-                let mut states = [&[][..]; 3];
                 let arguments: Vec<Vec<Id>> = op.arguments().collect();
                 // What is not read may be anything.
-                states.fill(&arguments[0]);
+                let mut states = [&arguments[0]; 3];
                 groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
                 let [y, u, v] = states;
-                let inputs = [y, u, v, &self.weights].concat();
+                let inputs = [y, u, v, &self.weights[..]].concat();
                 Some(self.graph.copy(Some(&self.system.graph), roots, |k| Some(inputs[k])))
             }
         }

@@ -1,6 +1,6 @@
-//! Vectors and matrices that are mostly zero.
+//! Vectors and matrices that are mostly zero, and their places.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use expression::{Affine, Graph, Id};
 
@@ -12,9 +12,16 @@ pub type Field = BTreeMap<usize, Affine>;
 
 /// Σ uₖvₖ.
 pub fn dot(graph: &mut Graph, u: &Sparse, v: &Sparse) -> Id {
-    let both = u.iter().filter_map(|(k, &u)| Some((u, *v.get(k)?)));
-    let (u, v): (Vec<Id>, Vec<Id>) = both.unzip();
-    graph.dot(&u, &v)
+    graph.sum(u.iter().filter_map(|(k, &u)| Some((u, *v.get(k)?))))
+}
+
+/// Ranges of these sizes, one after the other.
+pub fn consecutive<const N: usize>(sizes: [usize; N]) -> [Range<usize>; N] {
+    let mut end = 0;
+    sizes.map(|size| {
+        end += size;
+        end - size..end
+    })
 }
 
 /// Numbers 0, 1, … in groups that are joined, each to those of its list.
