@@ -3,16 +3,17 @@
 use std::{
     collections::BTreeMap,
     ops::Range,
-    sync::{Arc, Mutex, OnceLock, PoisonError},
+    sync::{Arc, Mutex, OnceLock},
 };
 
 use nonlin::BlockStatus;
-use real::{Block, PathMask, Row, Rows, WIDTH};
+use real::{PathMask, Row, Rows, WIDTH};
 use schemes::{Device, Step, Stepper, Task, TaskRun, Trajectories};
 
 use crate::{
     View,
     driver::{Driver, GROUP_PATHS, Tally},
+    parallel::locked,
     parts::Stop,
 };
 
@@ -23,19 +24,15 @@ const MIN_PATHS: u64 = 1 << 11;
 const MAX_PATHS: u64 = 1 << 20;
 type Computed = Arc<OnceLock<Option<Trajectories>>>;
 
-/// The paths of a ladder on a device, computed ahead of the groups that read them.
+/// The paths of a ladder, whose noise is drawn and whose runs are not swapped, on a device:
+/// computed ahead of the groups that read them.
 pub struct Ahead<'a> {
     pub device: &'a dyn Device,
     /// Results by the first path.
-    tasks: Mutex<BTreeMap<u64, Computed>>,
+    pub tasks: Mutex<BTreeMap<u64, Computed>>,
 }
 
-impl<'a> Ahead<'a> {
-    /// The paths of a ladder whose noise is drawn, and whose runs are not swapped.
-    pub fn new(device: &'a dyn Device) -> Self {
-        Self { device, tasks: Mutex::default() }
-    }
-
+impl Ahead<'_> {
     /// Shows the states of a group, of all paths that are wanted, at times that are read, as the
     /// driver does; none if the driver has to compute it.
     pub fn march(
@@ -50,8 +47,8 @@ impl<'a> Ahead<'a> {
         if all.end - all.start < self.device.fewest() {
             return None;
         }
-        let times: Vec<u64> =
-            (1..=driver.finest_steps >> driver.levels).filter(|&time| reads(time)).collect();
+        let last = driver.finest_steps >> driver.levels;
+        let times: Vec<u64> = (1..=last).filter(|&time| reads(time)).collect();
         let rows = driver.runs.len() * (driver.dimension + 1);
         let fit = MAX_BYTES / (8 * rows * times.len().max(1)) / GROUP_PATHS as usize;
         let size = (fit as u64 * GROUP_PATHS).min(MAX_PATHS);
@@ -61,7 +58,7 @@ impl<'a> Ahead<'a> {
         }
         let first = all.start + (group.start - all.start) / size * size;
         let computed = {
-            let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut tasks = locked(&self.tasks);
             // Threads read groups in their order, nearly.
             while tasks.len() > rayon::current_num_threads() && !tasks.contains_key(&first) {
                 tasks.pop_first();
@@ -86,14 +83,10 @@ impl<'a> Ahead<'a> {
         times: &[u64],
         stop: &Stop,
     ) -> Option<Trajectories> {
-        let bound = |number| {
+        let runs = driver.runs.iter().enumerate().map(|(number, run)| {
             let batch = driver.batches.iter().find(|batch| batch.runs.contains(&number));
-            batch.map_or(f64::INFINITY, |batch| batch.bounds.increment)
-        };
-        let runs = driver.runs.iter().enumerate().map(|(number, run)| TaskRun {
-            method: &*run.scheme,
-            level: run.level,
-            bound: bound(number),
+            let bound = batch.map_or(f64::INFINITY, |batch| batch.bounds.increment);
+            TaskRun { method: &*run.scheme, level: run.level, bound }
         });
         let blocks = (paths.end - paths.start).div_ceil(WIDTH as u64);
         self.device.advance(&Task {
@@ -147,7 +140,7 @@ fn show(
     let (runs, dimension) = (driver.runs.len(), driver.dimension);
     let mut states: Vec<Box<dyn Stepper>> = Vec::new();
     states.resize_with(runs, || Box::new(Shown(Rows::zero(dimension))));
-    let (random_time, mut clipped) = (Block::<1>::zero(), vec![PathMask::NONE; runs]);
+    let mut clipped = vec![PathMask::NONE; runs];
     let blocks: Vec<usize> = (first..end).step_by(WIDTH).collect();
     for time in driver.from_start.then_some(&0).into_iter().chain(times) {
         let at = times.binary_search(time).unwrap_or_default();
@@ -158,20 +151,23 @@ fn show(
                     let row = (at * runs + run) * (dimension + 1) + number;
                     &found.values[row * count + block..][..WIDTH]
                 };
-                match time {
-                    0 => state.state_mut().copy_from_slice(&(driver.start)(run, first_path)),
-                    _ => {
-                        let rows = state.state_mut().iter_mut().enumerate();
-                        rows.for_each(|(i, to)| to.copy_from_slice(row(i)));
-                        let counts = row(dimension);
-                        clipped[run] = PathMask::of(|p| counts[p] > 0.0);
-                    }
+                if *time == 0 {
+                    state.state_mut().copy_from_slice(&(driver.start)(run, first_path));
+                } else {
+                    let rows = state.state_mut().iter_mut().enumerate();
+                    rows.for_each(|(i, to)| to.copy_from_slice(row(i)));
+                    clipped[run] = PathMask::of(|p| row(dimension)[p] > 0.0);
                 }
             }
-            let live = PathMask::first(end - block);
-            let random_time = &random_time.0[0];
-            let clipped = &clipped;
-            observe(&View { time: *time, first_path, states: &states, clipped, random_time, live });
+
+            observe(&View {
+                time: *time,
+                first_path,
+                states: &states,
+                clipped: &clipped,
+                random_time: &[0.0; WIDTH],
+                live: PathMask::first(end - block),
+            });
         }
     }
     let mut tally = driver.tally();

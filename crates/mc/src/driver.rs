@@ -53,17 +53,6 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Adds run number `run` to its batch.
-    pub fn add(batches: &mut Vec<Self>, level: usize, swapped: bool, bounds: Bounds, run: usize) {
-        let same = |batch: &&mut Self| {
-            (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
-        };
-        match batches.iter_mut().find(same) {
-            Some(batch) => batch.runs.push(run),
-            None => batches.push(Self { level, swapped, bounds, runs: vec![run] }),
-        }
-    }
-
     /// Level of the steps at whose ends the runs advance.
     pub fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
@@ -98,18 +87,16 @@ pub struct Driver<'a> {
 
 /// The steps of the levels of a ladder, found once and not for every group of paths; none where
 /// there are too many.
-pub struct StepTable(Vec<Vec<OnceLock<Step>>>);
+type StepTable = Vec<Vec<OnceLock<Step>>>;
 
 /// Largest number of steps in a table, of a few megabytes.
 const MAX_STEPS: u64 = 1 << 14;
 
-impl StepTable {
-    /// The table of a ladder, before any step is known.
-    pub fn new(finest_steps: u64, levels: usize) -> Self {
-        let of_level = |level| (0..finest_steps >> level).map(|_| OnceLock::new()).collect();
-        let levels = if finest_steps > MAX_STEPS { 0..0 } else { 0..levels + 1 };
-        Self(levels.map(of_level).collect())
-    }
+/// The table of a ladder, before any step is known.
+pub fn step_table(finest_steps: u64, levels: usize) -> StepTable {
+    let of_level = |level| vec![OnceLock::new(); (finest_steps >> level) as usize];
+    let levels = if finest_steps > MAX_STEPS { 0..0 } else { 0..levels + 1 };
+    levels.map(of_level).collect()
 }
 
 /// A failed path: which run failed when and why.
@@ -179,7 +166,7 @@ impl Driver<'_> {
             Step::new(self.dampings[0], n, self.tau(level))
                 .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
         };
-        match self.steps.0.get(level) {
+        match self.steps.get(level) {
             Some(steps) => *steps[n as usize].get_or_init(new),
             None => new(),
         }
@@ -197,8 +184,8 @@ impl Driver<'_> {
         stop: &Stop,
     ) -> Result<Tally, Tally> {
         let mut tally = self.tally();
-        let offsets = (0..paths).step_by(WIDTH);
-        let mut blocks: Vec<Marcher<'_>> = offsets
+        let mut blocks: Vec<Marcher<'_>> = (0..paths)
+            .step_by(WIDTH)
             .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
         if self.from_start {
@@ -242,8 +229,8 @@ struct Marcher<'a> {
     /// Paths with a clipped increment so far, for each run.
     clipped: Vec<PathMask>,
     random_time: Block<1>,
-    /// Normals of the time change, if there is one.
-    time_change_noise: Option<WienerRows>,
+    /// The time change with its normals, if there is one.
+    time_change: Option<(&'a dyn TimeChange, WienerRows)>,
     /// Whether no live path moves any more: neither noise nor steps are needed.
     rests: bool,
 }
@@ -266,7 +253,9 @@ impl<'a> Marcher<'a> {
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
-            time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
+            time_change: driver
+                .time_change
+                .map(|change| (change, WienerRows::new(key, first_path))),
             rests: false,
         };
         new.all_rest();
@@ -295,10 +284,8 @@ impl<'a> Marcher<'a> {
         observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
-        let complete = match self.rests {
-            true => driver.levels.min(n.trailing_zeros() as usize),
-            false => self.draw(n),
-        };
+        let complete =
+            if self.rests { driver.levels.min(n.trailing_zeros() as usize) } else { self.draw(n) };
         let lives = !self.live.is_empty();
         let due = |batch: &&Batch| lives && batch.due_level() <= complete;
         for batch in driver.batches.iter().filter(due) {
@@ -322,18 +309,13 @@ impl<'a> Marcher<'a> {
 
     /// Tells every run which paths go on, and asks whether none of them moves any more.
     fn all_rest(&mut self) -> bool {
-        let mut all = true;
-        for run in &mut self.states {
-            all &= run.rests(self.live);
-        }
-        all
+        self.states.iter_mut().fold(true, |all, run| run.rests(self.live) & all)
     }
 
     /// Draws the noise of finest step number n. Returns the highest level whose step is complete.
     fn draw(&mut self, n: u64) -> usize {
         let complete = self.ladder.push(&mut self.next_noise);
-        if let (Some(change), Some(noise)) = (self.driver.time_change, &mut self.time_change_noise)
-        {
+        if let Some((change, noise)) = &mut self.time_change {
             let mut normals = [[0.0; WIDTH]];
             noise.increments(1.0, &mut normals);
             let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
@@ -346,10 +328,8 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
-        let StepNoise { increments, areas, space_time, .. } = match one_before {
-            true => self.ladder.first_half(level + 1),
-            false => self.ladder.whole(level),
-        };
+        let StepNoise { increments, areas, space_time, .. } =
+            if one_before { self.ladder.first_half(level + 1) } else { self.ladder.whole(level) };
         self.truncated.clipped.clear();
         if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
             let StepNoise { increments: inside, clipped, .. } = &mut self.truncated;
@@ -379,17 +359,15 @@ impl<'a> Marcher<'a> {
         }
         for &number in &batch.runs {
             let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
-            let status = &mut self.statuses[number];
-            self.states[number].step(step, noise, status);
-            if !status.failed.and(self.live).is_empty() {
-                let status = *status;
-                self.drop_failed(number, step.number(), &status, tally);
+            self.states[number].step(step, noise, &mut self.statuses[number]);
+            if !self.statuses[number].failed.and(self.live).is_empty() {
+                self.drop_failed(number, step.number(), self.statuses[number], tally);
             }
         }
     }
 
     /// Records the paths on which a step of a run failed, and drops them from the live ones.
-    fn drop_failed(&mut self, run: usize, step: u64, status: &BlockStatus, tally: &mut Tally) {
+    fn drop_failed(&mut self, run: usize, step: u64, status: BlockStatus, tally: &mut Tally) {
         let failed = status.failed.and(self.live);
         for p in failed.paths() {
             let cause = Cause::of_residual(status.residual(p));
@@ -406,7 +384,7 @@ impl<'a> Marcher<'a> {
             if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
                 status.fail_where_not_finite(state);
-                self.drop_failed(number, (n >> run.level).saturating_sub(1), &status, tally);
+                self.drop_failed(number, (n >> run.level).saturating_sub(1), status, tally);
             }
         }
     }
@@ -473,8 +451,9 @@ pub fn drawn(
             increments.increments(root, &mut noise.increments);
             if !noise.space_time.is_empty() {
                 let key = key.beside(Purpose::SpaceTimeAreas);
-                let of_block = space_time.get_or_insert_with(|| WienerRows::new(key, first_path));
-                of_block.increments((tau / 12.0).sqrt(), &mut noise.space_time);
+                space_time
+                    .get_or_insert_with(|| WienerRows::new(key, first_path))
+                    .increments((tau / 12.0).sqrt(), &mut noise.space_time);
             }
             if let Some(areas) = &mut areas {
                 areas.areas(tau, &noise.increments, &mut noise.areas);

@@ -2,7 +2,7 @@
 
 use std::{
     ops::Range,
-    sync::{Arc, OnceLock},
+    sync::{Arc, Mutex, OnceLock},
 };
 
 use noise::{Purpose, StepNoise, StreamKey, Truncation};
@@ -13,7 +13,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
     device::Ahead,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
+    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, Tally, drawn, step_table},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
@@ -117,7 +117,7 @@ pub struct Ladder<'a> {
     ahead: Option<Ahead<'a>>,
     /// Bytes of stack for a group.
     stack: usize,
-    progress: Box<dyn Fn(u64) + Sync + 'a>,
+    pub(crate) progress: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
 /// The sums of some paths.
@@ -220,7 +220,7 @@ impl<'a> Ladder<'a> {
             batches: Vec::new(),
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
-            steps: StepTable::new(finest_steps, levels),
+            steps: step_table(finest_steps, levels),
         };
         for (number, &Run { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {
@@ -231,7 +231,13 @@ impl<'a> Ladder<'a> {
                 if scheme.about().clips_increments { truncation } else { Truncation::none() };
             let bounds =
                 Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
-            Batch::add(&mut driver.batches, level, swapped, bounds, number);
+            let same = |batch: &&mut Batch| {
+                (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
+            };
+            match driver.batches.iter_mut().find(same) {
+                Some(batch) => batch.runs.push(number),
+                None => driver.batches.push(Batch { level, swapped, bounds, runs: vec![number] }),
+            }
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
@@ -243,7 +249,7 @@ impl<'a> Ladder<'a> {
             }
             fits
         });
-        let ahead = ahead.map(Ahead::new);
+        let ahead = ahead.map(|device| Ahead { device, tasks: Mutex::default() });
         driver.runs = runs;
         Ok(Self { driver, ahead, stack, progress: Box::new(|_| ()) })
     }
@@ -295,14 +301,17 @@ impl<'a> Ladder<'a> {
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
-            let scale =
-                |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+            let squares = factors.map(|factor| factor * factor);
             Box::new(move |noise| {
                 next(noise);
-                noise.increments.iter_mut().for_each(|row| scale(row, factors));
-                let squares = factors.map(|factor| factor * factor);
-                noise.areas.iter_mut().for_each(|row| scale(row, squares));
-                noise.space_time.iter_mut().for_each(|row| scale(row, factors));
+                let StepNoise { increments, areas, space_time, .. } = noise;
+                for (rows, factors) in
+                    [(increments, factors), (areas, squares), (space_time, factors)]
+                {
+                    for row in rows.iter_mut() {
+                        row.iter_mut().zip(factors).for_each(|(x, factor)| *x *= factor);
+                    }
+                }
             })
         })
     }
@@ -332,11 +341,6 @@ impl<'a> Ladder<'a> {
     pub fn telling(mut self, progress: impl Fn(u64) + Sync + 'a) -> Self {
         self.progress = Box::new(progress);
         self
-    }
-
-    /// Reports that `path_steps` path-steps are done.
-    pub(crate) fn tell(&self, path_steps: u64) {
-        (self.progress)(path_steps);
     }
 
     /// The step size of a level.
@@ -493,21 +497,15 @@ impl<'a> Ladder<'a> {
     ) -> (T, Result<Tally, Tally>) {
         let start = first + group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(all.end - start);
-        let mut statistic = new();
-        if let Some(ahead) = &self.ahead {
-            let (reader, group) = (new(), start..start + paths);
-            let (reads, progress) = (|time| reader.reads(time), &*self.progress);
-            let mut observe = |view: &View<'_>| statistic.observe(view);
-            let shown =
-                ahead.march(&self.driver, (group, all), &reads, &mut observe, progress, stop);
-            if let Some(tally) = shown {
-                return (statistic, tally);
-            }
-        }
+        let (mut statistic, progress) = (new(), &*self.progress);
         let mut observe = |view: &View<'_>| statistic.observe(view);
-        let tally = on_stack(self.stack, || {
-            self.driver.march(start, paths, &mut observe, &*self.progress, stop)
+        let shown = self.ahead.as_ref().and_then(|ahead| {
+            let (reader, paths) = (new(), (start..start + paths, all));
+            let reads = |time| reader.reads(time);
+            ahead.march(&self.driver, paths, &reads, &mut observe, progress, stop)
         });
+        let computed = || self.driver.march(start, paths, &mut observe, progress, stop);
+        let tally = shown.unwrap_or_else(|| on_stack(self.stack, computed));
         (statistic, tally)
     }
 
@@ -553,8 +551,8 @@ impl<'a> Ladder<'a> {
             stop.now();
         };
         // It is stopped, or at its end.
-        let _ = on_stack(self.stack, || {
-            self.driver.march(0, WIDTH as u64, &mut observe, &|_| (), &stop).map(|_| ())
+        _ = on_stack(self.stack, || {
+            self.driver.march(0, WIDTH as u64, &mut observe, &|_| (), &stop)
         });
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };

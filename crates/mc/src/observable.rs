@@ -87,8 +87,3 @@ real::kernel! {
         pairs.for_each(|(sum, more)| *sum += more);
     }
 }
-
-/// Rows of a block with the state `y` on all paths.
-pub fn splat(y: &[f64]) -> Vec<Row> {
-    y.iter().map(|&y| [y; WIDTH]).collect()
-}

@@ -78,21 +78,18 @@ impl QuasiWiener {
     ) -> Result<Self, NoiseError> {
         NoiseError::unless_positive("the number of steps", steps as f64)?;
         NoiseError::unless_positive("the end of time", t_end)?;
-        let count = usize::try_from(steps).ok().and_then(|steps| steps.checked_mul(noises));
-        let dimensions = if noises == 0 { Some(0) } else { count };
-        let Some(dimensions) = dimensions.filter(|&count| count <= Self::MAX_DIMENSIONS) else {
-            let most = Self::MAX_DIMENSIONS;
+        let most = Self::MAX_DIMENSIONS;
+        let dimensions = u128::from(steps) * noises as u128;
+        if dimensions > most as u128 {
             return Err(NoiseError(format!(
                 "{steps} steps of {noises} noises have more than {most} dimensions"
             )));
-        };
+        }
+        let nodes = if noises == 0 { Vec::new() } else { bridge(steps as usize, t_end) };
         Ok(Self {
-            sobol: ScrambledSobol::new(key, scramble, dimensions),
+            sobol: ScrambledSobol::new(key, scramble, dimensions as usize),
             key,
-            nodes: dimensions
-                .checked_div(noises)
-                .map_or_else(Vec::new, |n| bridge(n, t_end))
-                .into(),
+            nodes: nodes.into(),
             noises,
         })
     }

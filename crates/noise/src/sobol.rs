@@ -7,7 +7,7 @@ use real::WIDTH;
 use crate::{
     StreamKey,
     box_muller::open_unit,
-    stream::{GOLDEN, mix},
+    stream::{GOLDEN, SplitMix, mix},
 };
 
 /// The direction numbers of dimensions 2 to 1024 of new-joe-kuo-6 (Joe and Kuo 2008), a line each:
@@ -76,7 +76,7 @@ impl ScrambledSobol {
         Self {
             groups: &TABLE[..sobol.div_ceil(WIDTH)],
             dimensions,
-            seeds: (0..sobol).map(|d| Seeds::new(DimensionWords::new(root, d))).collect(),
+            seeds: (0..sobol).map(|d| Seeds::new(dimension_words(root, d))).collect(),
             root,
         }
     }
@@ -151,7 +151,7 @@ impl ScrambledSobol {
             }
         } else {
             // SplitMix64 with a random increment, at the number of the point.
-            let mut seeds = DimensionWords::new(self.root, d);
+            let mut seeds = dimension_words(self.root, d);
             let (sum, factor) = (seeds.next(), seeds.next() | 1);
             for p in 0..L {
                 let point = u64::from(points.first) + p as u64;
@@ -185,7 +185,7 @@ struct Seeds {
 }
 
 impl Seeds {
-    fn new(mut words: DimensionWords) -> Self {
+    fn new(mut words: SplitMix) -> Self {
         let [one, two, three] = [(); 3].map(|()| words.next());
         Self {
             sum: one as u32,
@@ -219,18 +219,9 @@ impl Seeds {
     }
 }
 
-/// The words of the scrambling of a dimension, by SplitMix64.
-struct DimensionWords(u64);
-
-impl DimensionWords {
-    fn new(root: u64, dimension: usize) -> Self {
-        Self(mix(root.wrapping_add((dimension as u64 + 1).wrapping_mul(GOLDEN))))
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(GOLDEN);
-        mix(self.0)
-    }
+/// The words of the scrambling of a dimension.
+fn dimension_words(root: u64, dimension: usize) -> SplitMix {
+    SplitMix(mix(root.wrapping_add((dimension as u64 + 1).wrapping_mul(GOLDEN))))
 }
 
 /// The direction numbers of 32 dimensions, the first digit in the lowest bit.
@@ -350,9 +341,9 @@ mod tests {
     #[test]
     fn scrambling_is_nested() {
         // Numbers that agree in k digits and differ in the next do so after scrambling.
-        let mut words = DimensionWords::new(1, 0);
+        let mut words = dimension_words(1, 0);
         for n in 0..10_000 {
-            let seeds = Seeds::new(DimensionWords::new(2, n % 100));
+            let seeds = Seeds::new(dimension_words(2, n % 100));
             let (x, k) = (words.next() as u32, n % DIGITS);
             let y = x ^ (1 | (words.next() as u32) << 1) << k;
             let difference = seeds.scrambled(x) ^ seeds.scrambled(y);

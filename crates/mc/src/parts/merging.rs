@@ -87,16 +87,17 @@ impl Merging {
             }
         }
         if of == 0 && known.0.works.is_empty() {
-            let folder = folder.display();
-            return Err(JobError::Refused(format!("there are no parts in {folder}")));
+            let text = format!("there are no parts in {}", folder.display());
+            return Err(JobError::Refused(text));
         }
         Ok(Self { works, of, program: program.clone(), known, missing: BTreeSet::new() })
     }
 
     pub fn finish(self) -> Result<(), JobError> {
-        match self.missing.is_empty() {
-            true => self.known.0.write(),
-            false => Err(JobError::Missing { parts: self.missing.into_iter().collect() }),
+        if self.missing.is_empty() {
+            self.known.0.write()
+        } else {
+            Err(JobError::Missing { parts: self.missing.into_iter().collect() })
         }
     }
 
@@ -108,8 +109,8 @@ impl Merging {
         if known < work.groups() {
             let mut places = self.works.remove(work.name).unwrap_or_default();
             places.retain(|place| !self.known.has(work, &place.header, known));
-            places.sort_by_key(|Place { header, path, .. }| {
-                (header.groups.start, header.groups.end, path.clone())
+            places.sort_by_key(|Place { header: Header { groups, .. }, path, .. }| {
+                (groups.start, groups.end, path.clone())
             });
             if !self.are_complete(work, known, &places)? {
                 return Ok(None);
@@ -117,12 +118,12 @@ impl Merging {
             for Place { path, header, .. } in places {
                 let file = PartFile::open(path.clone(), &self.program, None)?;
                 let entry = file.works.get(work.name).filter(|entry| entry.header == header);
-                let entry = entry.ok_or_else(|| {
+                let replaced = || {
                     let file = path.display();
-                    JobError::Refused(format!(
-                        "{file} was replaced while it was merged: merge again"
-                    ))
-                })?;
+                    let text = format!("{file} was replaced while it was merged: merge again");
+                    JobError::Refused(text)
+                };
+                let entry = entry.ok_or_else(replaced)?;
                 tree.extend(work.nodes(&path, entry)?);
             }
         }
@@ -146,9 +147,10 @@ impl Merging {
             work.check(path, header)?;
             if header.paths != work.paths {
                 let (other, lost) = (work.other_paths(path, header), self.lost(work.name));
-                return Err(match header.paths < work.paths {
-                    true => JobError::Refused(format!("{other}. Or it was extended: {lost}")),
-                    false => other,
+                return Err(if header.paths < work.paths {
+                    JobError::Refused(format!("{other}. Or it was extended: {lost}"))
+                } else {
+                    other
                 });
             }
             if part.of != of {
@@ -174,9 +176,9 @@ impl Merging {
         }
         // Those parts that would have had groups, and are not complete.
         let groups = known..work.groups();
-        let others = (1..=of).filter(|number| !complete.contains(number));
-        let (some, none): (Vec<u64>, Vec<u64>) =
-            others.partition(|&number| !Share { number, of }.range(&groups).is_empty());
+        let (some, none): (Vec<u64>, Vec<u64>) = (1..=of)
+            .filter(|number| !complete.contains(number))
+            .partition(|&number| !Share { number, of }.range(&groups).is_empty());
         let parts = if some.is_empty() { none } else { some };
         if parts.is_empty() {
             return Err(self.lost(work.name));

@@ -30,8 +30,10 @@ pub const UNFINISHED: &str = "unfinished-";
 
 /// Files with unfinished work that is not of groups.
 fn unfinished(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    let files = fs::read_dir(folder).into_iter().flatten().flatten();
-    files
+    fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
         .filter(|file| file.file_name().to_string_lossy().starts_with(UNFINISHED))
         .map(|file| file.path())
 }
@@ -66,8 +68,7 @@ pub struct Part {
 impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
-        let lock = Lock::take(&lock).map_err(file_error("write", &lock))?;
-        let lock = lock.map_err(|holder| {
+        let lock = Lock::take(&lock).map_err(file_error("write", &lock))?.map_err(|holder| {
             JobError::Refused(format!(
                 "{share} in {} is being computed by {holder}; wait for its end, or stop it",
                 folder.display()
@@ -89,10 +90,6 @@ impl Part {
         self.share == Share::WHOLE
     }
 
-    pub fn finish(self) -> Result<(), JobError> {
-        self.file.write()
-    }
-
     /// Computes this part of a piece of work. Returns the nodes of all groups if they were merged
     /// before, or if this part is the whole; those that are done if it is stopped and `incomplete`.
     pub fn collect<T: Kept>(
@@ -108,7 +105,7 @@ impl Part {
         header.done = self.resume(work, first, &header, &mut tree)?;
         // Reports the steps of groups that need not be computed.
         let before = first + header.done - header.groups.start;
-        work.ladder.tell(before * GROUP_PATHS * work.ladder.steps_per_path());
+        (work.ladder.progress)(before * GROUP_PATHS * work.ladder.steps_per_path());
         // What cannot be read back is known before the computing.
         work.entry(header.clone(), &[Node::leaf(0, work.ladder.nothing(work.new))])?;
         let mut kept = Ok(());
