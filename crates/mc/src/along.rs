@@ -260,17 +260,16 @@ impl Stepper for Collector<'_> {
         }
         // A path that stays where it is makes no step that could fail.
         status.failed = status.failed.without(held);
-        let Self { of: Collecting { system, quantities, .. }, before, .. } = self;
-        let mut first = before.len();
-        before.copy_from_slice(&self.rows[..first]);
+        let Self { of: Collecting { system, quantities, .. }, before, values, ends, .. } = self;
+        let (own, all) = (before.len(), &mut self.rows);
+        before.copy_from_slice(&all[..own]);
         let state = self.inner.state_mut();
         for p in held.paths() {
             state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
         }
-        self.rows[..first].copy_from_slice(state);
+        all[..own].copy_from_slice(state);
         // The part of the step after which a path stops on a straight line.
-        let (own, mut part) = (first, [1.0f64; WIDTH]);
-        let Self { values, ends, rows: all, .. } = self;
+        let (mut first, mut part) = (own, [1.0f64; WIDTH]);
         for ((quantity, value), next) in quantities.iter().zip(&*values).zip(&mut *ends) {
             *next = quantity.value(all);
             let rows = &mut all[first..first + quantity.rows()];

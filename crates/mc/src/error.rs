@@ -178,8 +178,7 @@ impl RunError {
     pub fn unmet(
         settings: impl IntoIterator<Item = (bool, &'static str, &'static str, f64)>,
     ) -> Result<(), Self> {
-        let unmet = settings.into_iter().find(|(met, ..)| !met);
-        unmet.map_or(Ok(()), |(_, name, allowed, value)| {
+        settings.into_iter().find(|(met, ..)| !met).map_or(Ok(()), |(_, name, allowed, value)| {
             Err(Self::Setting(format!("the {name} must be {allowed}, got {value}")))
         })
     }

@@ -8,7 +8,7 @@ use real::{Row, elementary::exp, golden};
 use schemes::{About, Listing, Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup, driver::all_finite};
+use crate::{Coefficients, ConformalLaw, Problem, Setup, ladder::driver::all_finite};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -77,8 +77,10 @@ impl<'a> Setup<'a> {
     /// Adds friction to the problem and the scheme; drops laws that it breaks.
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
-        let scheme = Friction::around(self.scheme, friction);
-        Self { problem: self.problem.with_friction(friction), scheme }
+        Self {
+            problem: self.problem.with_friction(friction),
+            scheme: Friction::around(self.scheme, friction),
+        }
     }
 }
 

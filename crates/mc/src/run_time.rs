@@ -120,27 +120,31 @@ impl<B: Deref<Target: Scheme> + Send + Sync> Method for Bound<'_, B> {
         let mut stepper =
             self.scheme.stepper(self.system).unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        Box::new(Paths { stepper, guard: self.system.guard() })
+        match self.system.guard() {
+            Some(guard) => Box::new(Guarded { stepper, guard }),
+            None => stepper,
+        }
     }
 }
 
-struct Paths<'a> {
+/// A stepper whose paths fail where the guard of the system is not finite.
+struct Guarded<'a> {
     stepper: Box<dyn Stepper + 'a>,
-    guard: Option<Box<dyn Program>>,
+    guard: Box<dyn Program>,
 }
 
-impl Stepper for Paths<'_> {
+impl Stepper for Guarded<'_> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.stepper.step(step, noise, status);
-        if let Some(guard) = &mut self.guard {
-            let (h, mut value) = (at_end(step), [[0.0; WIDTH]]);
-            guard.run(&[self.stepper.state()], &[], h, &mut value);
-            status.fail_where_not_finite(&value);
-        }
+        // At the end of the step.
+        let h = Weights { t: step.t + step.tau, ..Weights::NONE };
+        let mut value = [[0.0; WIDTH]];
+        self.guard.run(&[self.stepper.state()], &[], h, &mut value);
+        status.fail_where_not_finite(&value);
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
-        let guard = self.guard.as_deref_mut().map(|guard| (guard, at_end(step).t));
+        let guard = Some((&mut *self.guard, step.t + step.tau));
         Some(Listing { guard, ..self.stepper.listing(step)? })
     }
 
@@ -151,11 +155,6 @@ impl Stepper for Paths<'_> {
     fn state_mut(&mut self) -> &mut [Row] {
         self.stepper.state_mut()
     }
-}
-
-/// Weights at the end of a step, where guards are asked.
-fn at_end(step: &Step) -> Weights<'static> {
-    Weights { t: step.t + step.tau, ..Weights::NONE }
 }
 
 /// Rows for any operation of a system.

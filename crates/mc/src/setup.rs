@@ -238,8 +238,7 @@ impl<'a> Problem<'a> {
 
     /// The damping of all components, and the friction.
     pub fn dampings(&self) -> impl Iterator<Item = &'a dyn Damping> + use<'a> {
-        let friction = self.friction.iter().map(|friction| &*friction.damping);
-        [self.damping].into_iter().chain(friction)
+        [self.damping].into_iter().chain(self.friction.iter().map(|friction| &*friction.damping))
     }
 
     /// The states of 32 paths from path number `first` on at time 0.

@@ -47,8 +47,8 @@ impl Known {
 /// # Errors
 /// [`JobError`] if the file cannot be read, is damaged or is of another program.
 pub fn merged_paths(folder: &Path, program: &Program) -> Result<BTreeMap<String, u64>, JobError> {
-    let works = Known::open(folder, program)?.0.works;
-    Ok(works.into_iter().map(|(name, entry)| (name, entry.header.paths)).collect())
+    let works = Known::open(folder, program)?.0.works.into_iter();
+    Ok(works.map(|(name, entry)| (name, entry.header.paths)).collect())
 }
 
 /// The groups that a part has of a piece of work. The sums stay in its file.

@@ -14,9 +14,8 @@ use super::{
 use crate::{
     Kept,
     checkpoint::file_error,
-    driver::GROUP_PATHS,
     files::tidy,
-    ladder::{Nodes, Sum},
+    ladder::{Nodes, Sum, driver::GROUP_PATHS},
     tree::{MergeTree, Node},
 };
 
@@ -111,7 +110,7 @@ impl Part {
         let mut kept = Ok(());
         let rest = header.done..header.groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
-            if self.file.kept.is_due() && kept.is_ok() {
+            if self.file.kept.is_due() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
                 if kept.is_ok() {
                     // A full disk may have room again at the next checkpoint; `finish` tells.

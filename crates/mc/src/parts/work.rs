@@ -16,8 +16,11 @@ use super::{JobError, Share, Stop};
 use crate::{
     Kept, Ladder,
     checkpoint::{Checkpoint, Program, damaged, foreign},
-    driver::{GROUP_PATHS, Tally},
-    ladder::{After, Nodes, Sum, merge},
+    ladder::{
+        After, Nodes, Sum,
+        driver::{GROUP_PATHS, Tally},
+        merge,
+    },
     tree::{MergeTree, Node},
 };
 

@@ -143,8 +143,7 @@ impl<'a> Simulation<'a> {
         )])?;
         let (Setup { problem, scheme }, count) =
             (&self.setup, paths.end.saturating_sub(paths.start));
-        let family = (key, Purpose::Paths);
-        let ladder = self.setup.ladder(steps, 0, self.truncation, family, count)?;
+        let ladder = self.setup.ladder(steps, 0, self.truncation, (key, Purpose::Paths), count)?;
         let mut ladder = ladder.describing(count as usize).with_start().telling(&self.told);
         if let Some(source) = &self.noise {
             ladder = ladder.with_noise(source);
@@ -223,9 +222,9 @@ impl<'a> Simulation<'a> {
 
     /// The columns, without values.
     fn columns(&self) -> Result<Vec<Column>, RunError> {
-        let Setup { problem, .. } = &self.setup;
-        let (components, named) = (problem.y0.len(), self.components.len());
-        let all = components == named;
+        let problem = &self.setup.problem;
+        let named = self.components.len();
+        let all = named == problem.y0.len();
         RunError::unmet([(all, "number of names", "that of components", named as f64)])?;
         let column = |name: &str, role| Column { name: name.into(), role, values: Vec::new() };
         let mut columns = vec![column("t", Role::Time)];

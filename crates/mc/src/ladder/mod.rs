@@ -1,5 +1,8 @@
 //! Schemes on a dyadic ladder of steps.
 
+mod device;
+pub mod driver;
+
 use std::{
     ops::Range,
     sync::{Arc, Mutex, OnceLock},
@@ -11,12 +14,15 @@ use schemes::{About, StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
-    device::Ahead,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, Tally, drawn, step_table},
+    LadderError, PathFailure, Problem, Run, Setup, demand,
     parallel::grow,
     parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
+};
+use device::Ahead;
+use driver::{
+    Batch, Bounds, Failed, GROUP_BLOCKS, GROUP_PATHS, NextNoise, NoiseSource, StepTable, Tally,
+    drawn, step_table,
 };
 
 /// The state of all runs on one block at the end of a coarsest step, a time of all levels.
@@ -112,7 +118,22 @@ pub trait TimeChange: Send + Sync {
 
 /// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
 pub struct Ladder<'a> {
-    driver: Driver<'a>,
+    problem: Problem<'a>,
+    /// Function from the number of a run and of the first path of a block to its states at time 0.
+    start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
+    /// Whether statistics see the states at time 0.
+    from_start: bool,
+    finest_steps: u64,
+    levels: usize,
+    key: StreamKey,
+    noise: NoiseSource<'a>,
+    /// Zero increments of all noises, with the zero areas that schemes read.
+    no_noise: StepNoise,
+    runs: Vec<Run<'a>>,
+    batches: Vec<Batch>,
+    time_change: Option<&'a dyn TimeChange>,
+    described_failures: usize,
+    steps: StepTable,
     /// The paths on a device, if there is one for them.
     ahead: Option<Ahead<'a>>,
     /// Bytes of stack for a group.
@@ -173,8 +194,7 @@ impl<'a> Ladder<'a> {
         key: StreamKey,
         runs: Vec<Run<'a>>,
     ) -> Result<Self, LadderError> {
-        let family = (key, Purpose::Paths);
-        Self::of(problem, finest_steps, levels, truncation, family, runs)
+        Self::of(problem, finest_steps, levels, truncation, (key, Purpose::Paths), runs)
     }
 
     /// A ladder as by [`new`](Self::new), with another family of paths of the experiment.
@@ -204,13 +224,11 @@ impl<'a> Ladder<'a> {
         let none = StepNoise::none(problem.noises, with_areas);
         let with_space_time = reads(|about| about.reads_space_time);
         let same = problem.clone();
-        let mut driver = Driver {
-            dampings: problem.dampings().collect(),
-            noises: problem.noises,
-            dimension: problem.y0.len(),
+        let mut ladder = Self {
+            problem: problem.clone(),
             start: Box::new(move |_, first| same.start(key, first)),
             from_start: false,
-            t_end: problem.t_end,
+
             finest_steps,
             levels,
             key,
@@ -221,12 +239,15 @@ impl<'a> Ladder<'a> {
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
             steps: step_table(finest_steps, levels),
+            ahead: None,
+            stack: runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0),
+            progress: Box::new(|_| ()),
         };
         for (number, &Run { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
-            let tau = driver.tau(level);
+            let tau = ladder.tau(level);
             let truncation =
                 if scheme.about().clips_increments { truncation } else { Truncation::none() };
             let bounds =
@@ -234,14 +255,13 @@ impl<'a> Ladder<'a> {
             let same = |batch: &&mut Batch| {
                 (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
             };
-            match driver.batches.iter_mut().find(same) {
+            match ladder.batches.iter_mut().find(same) {
                 Some(batch) => batch.runs.push(number),
-                None => driver.batches.push(Batch { level, swapped, bounds, runs: vec![number] }),
+                None => ladder.batches.push(Batch { level, swapped, bounds, runs: vec![number] }),
             }
         }
         // This order decides which failure is described first.
-        driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
-        let stack = runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0);
+        ladder.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let ahead = problem.device.filter(|device| {
             let fits = !with_areas && !runs.iter().any(|run| run.swapped);
             if !fits {
@@ -249,9 +269,9 @@ impl<'a> Ladder<'a> {
             }
             fits
         });
-        let ahead = ahead.map(|device| Ahead { device, tasks: Mutex::default() });
-        driver.runs = runs;
-        Ok(Self { driver, ahead, stack, progress: Box::new(|_| ()) })
+        ladder.ahead = ahead.map(|device| Ahead { device, tasks: Mutex::default() });
+        ladder.runs = runs;
+        Ok(ladder)
     }
 
     /// Refuses to run `paths` paths if their states take more memory than is free.
@@ -259,10 +279,10 @@ impl<'a> Ladder<'a> {
     /// # Errors
     /// [`LadderError::Memory`].
     pub fn fitting(self, paths: u64) -> Result<Self, LadderError> {
-        let Driver { noises, levels, runs, dimension, .. } = &self.driver;
         let most = (GROUP_BLOCKS * rayon::current_num_threads()) as u64;
         let blocks = most.min(paths.div_ceil(WIDTH as u64));
-        let rows = STATES * dimension * runs.len() + noises * (levels + 3);
+        let dimension = self.problem.y0.len();
+        let rows = STATES * dimension * self.runs.len() + self.problem.noises * (self.levels + 3);
         let what = format!(
             "{} paths at a time with {dimension} components (fewer of both, or threads, take less)",
             blocks * WIDTH as u64
@@ -275,7 +295,7 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_time_change(mut self, time_change: &'a dyn TimeChange) -> Self {
         self.leave_device();
-        self.driver.time_change = Some(time_change);
+        self.time_change = Some(time_change);
         self
     }
 
@@ -283,7 +303,7 @@ impl<'a> Ladder<'a> {
     /// [`NoiseSource`](crate::NoiseSource).
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
-        self.driver.noise = Box::new(source);
+        self.noise = Box::new(source);
         self.leave_device();
         self
     }
@@ -297,7 +317,7 @@ impl<'a> Ladder<'a> {
 
     /// Multiplies the noise of each path by a factor.
     pub fn heated(mut self, factor: impl Fn(u64) -> f64 + Sync + 'a) -> Self {
-        let drawn = std::mem::replace(&mut self.driver.noise, Box::new(|_| Box::new(|_| ())));
+        let drawn = std::mem::replace(&mut self.noise, Box::new(|_| Box::new(|_| ())));
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
@@ -319,20 +339,20 @@ impl<'a> Ladder<'a> {
     /// Starts each run on each block at the states that `start` gives for the run and the first
     /// path.
     pub fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
-        self.driver.start = Box::new(start);
+        self.start = Box::new(start);
         self
     }
 
     /// Shows statistics also the states at time 0.
     pub fn with_start(mut self) -> Self {
-        self.driver.from_start = true;
+        self.from_start = true;
         self
     }
 
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
     #[must_use]
     pub fn describing(mut self, failures: usize) -> Self {
-        self.driver.described_failures = failures;
+        self.described_failures = failures;
         self
     }
 
@@ -345,12 +365,12 @@ impl<'a> Ladder<'a> {
 
     /// The step size of a level.
     pub fn tau(&self, level: usize) -> f64 {
-        self.driver.tau(level)
+        self.problem.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
 
     /// Number of coarsest steps: the number of times at which a statistic observes each block.
     pub fn coarse_steps(&self) -> u64 {
-        self.driver.finest_steps >> self.driver.levels
+        self.finest_steps >> self.levels
     }
 
     /// Whether paths advance on the threads of the current rayon pool. In dimensions whose steps
@@ -361,7 +381,7 @@ impl<'a> Ladder<'a> {
 
     /// Number of steps of one path in all runs together. Progress is counted in these steps.
     pub fn steps_per_path(&self) -> u64 {
-        self.driver.steps_per_path()
+        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
     }
 
     /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool. The results are
@@ -435,9 +455,8 @@ impl<'a> Ladder<'a> {
     ) -> Option<Measured<T>> {
         let study = OnceLock::new();
         let work = Work { name, paths: samples, ladder: self, study, new: &new, stop };
-        let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
-        tree.extend(nodes);
+        tree.extend(job.collect(work)?);
         Some(self.measured(tree.finish(), &new))
     }
 
@@ -502,36 +521,34 @@ impl<'a> Ladder<'a> {
         let shown = self.ahead.as_ref().and_then(|ahead| {
             let (reader, paths) = (new(), (start..start + paths, all));
             let reads = |time| reader.reads(time);
-            ahead.march(&self.driver, paths, &reads, &mut observe, progress, stop)
+            ahead.march(self, paths, &reads, &mut observe, progress, stop)
         });
-        let computed = || self.driver.march(start, paths, &mut observe, progress, stop);
+        let computed = || self.march(start, paths, &mut observe, progress, stop);
         let tally = shown.unwrap_or_else(|| on_stack(self.stack, computed));
         (statistic, tally)
     }
 
     /// The sums over no path.
     pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> Sum<T> {
-        (new(), self.driver.tally())
+        (new(), self.tally())
     }
 
     fn measured<T>(&self, sum: Option<Sum<T>>, new: &dyn Fn() -> T) -> Measured<T> {
         let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failure = |&Failed { run, path, step, cause }: &Failed| {
-            let Run { ref scheme, level, swapped } = self.driver.runs[run];
-            let (scheme, key, tau) = (scheme.about().id, self.driver.key, self.tau(level));
+            let Run { ref scheme, level, swapped } = self.runs[run];
+            let (scheme, key, tau) = (scheme.about().id, self.key, self.tau(level));
             PathFailure { path, key, scheme, swapped, tau, step, cause }
         };
-        let failures = tally.failures.iter().map(failure).collect();
-        Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
+        let Tally { failed, failures, clipped, .. } = tally;
+        Measured { statistic, failed, failures: failures.iter().map(failure).collect(), clipped }
     }
 
     /// A hash that tells this ladder and a statistic from others: of the key, the damping, and what
     /// they give in the first steps of a block, so that a long path costs no more. Names would not
     /// tell: a changed constant in a formula has the same name.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> String {
-        let Driver {
-            ref dampings, t_end, finest_steps, levels, ref runs, ref batches, key, ..
-        } = self.driver;
+        let Self { problem, finest_steps, levels, runs, batches, key, .. } = self;
         let (fixed, times) = new().fixed(self.coarse_steps());
         // One path at a time: a sum over many would hide small differences.
         let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
@@ -551,13 +568,11 @@ impl<'a> Ladder<'a> {
             stop.now();
         };
         // It is stopped, or at its end.
-        _ = on_stack(self.stack, || {
-            self.driver.march(0, WIDTH as u64, &mut observe, &|_| (), &stop)
-        });
+        _ = on_stack(self.stack, || self.march(0, WIDTH as u64, &mut observe, &|_| (), &stop));
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };
-        let time = |n: u32| t_end * f64::from(n) / 16.0;
-        let damping = dampings.iter().flat_map(|damping| {
+        let time = |n: u32| problem.t_end * f64::from(n) / 16.0;
+        let damping = problem.dampings().flat_map(|damping| {
             let at = |n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))];
             (0..16).map(move |n| at(n).map(one_nan))
         });

@@ -1,7 +1,7 @@
 //! The time loop: coupled simulation of several schemes on a dyadic hierarchy of step sizes.
 //!
 //! **Unknowns.** A *run* is a scheme at a level l, with steps of 2^l finest steps. All runs of a
-//! driver see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
+//! ladder see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
 //! step of level l takes their sum, added as a balanced binary tree ([`DyadicLadder`]), which joins
 //! Lévy areas by Chen's relation. A *swapped* run is the antithetic path of Giles and Szpruch
 //! (2014): it exchanges the two halves of each step of the level above, and therefore advances by
@@ -32,9 +32,9 @@ use nonlin::{BlockStatus, are_finite};
 use real::{Block, PathMask, Row, WIDTH};
 use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
-use systems::Damping;
 
-use crate::{Cause, LadderError, Run, TimeChange, View, parts::Stop};
+use super::{Ladder, TimeChange, View};
+use crate::{Cause, LadderError, Run, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -59,35 +59,9 @@ impl Batch {
     }
 }
 
-/// The input of the loop over time.
-pub struct Driver<'a> {
-    /// The damping of all components, and the friction that schemes have themselves.
-    pub dampings: Vec<&'a dyn Damping>,
-    /// Number of noises.
-    pub noises: usize,
-    /// Number of components.
-    pub dimension: usize,
-    /// Function from the number of a run and of the first path of a block to its states at time 0.
-    pub start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
-    /// Whether statistics see the states at time 0.
-    pub from_start: bool,
-    pub t_end: f64,
-    pub finest_steps: u64,
-    pub levels: usize,
-    pub key: StreamKey,
-    pub noise: NoiseSource<'a>,
-    /// Zero increments of all noises, with the zero areas that schemes read.
-    pub no_noise: StepNoise,
-    pub runs: Vec<Run<'a>>,
-    pub batches: Vec<Batch>,
-    pub time_change: Option<&'a dyn TimeChange>,
-    pub described_failures: usize,
-    pub steps: StepTable,
-}
-
 /// The steps of the levels of a ladder, found once and not for every group of paths; none where
 /// there are too many.
-type StepTable = Vec<Vec<OnceLock<Step>>>;
+pub type StepTable = Vec<Vec<OnceLock<Step>>>;
 
 /// Largest number of steps in a table, of a few megabytes.
 const MAX_STEPS: u64 = 1 << 14;
@@ -145,15 +119,8 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 /// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
-impl Driver<'_> {
-    pub fn tau(&self, level: usize) -> f64 {
-        self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
-    }
-
-    pub fn steps_per_path(&self) -> u64 {
-        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
-    }
-
+impl Ladder<'_> {
+    /// Counts of nothing.
     pub fn tally(&self) -> Tally {
         let (clipped, described) = (vec![0; self.levels + 1], self.described_failures);
         Tally { clipped, described, ..Tally::default() }
@@ -161,9 +128,9 @@ impl Driver<'_> {
 
     /// Step number `n` of a level.
     pub fn step(&self, level: usize, n: u64) -> Step {
-        // `Ladder::new` checks that the finest step is positive and finite.
+        // `Ladder::of` checks that the finest step is positive and finite.
         let new = || {
-            Step::new(self.dampings[0], n, self.tau(level))
+            Step::new(self.problem.damping, n, self.tau(level))
                 .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
         };
         match self.steps.get(level) {
@@ -216,11 +183,11 @@ impl Driver<'_> {
 
 /// The noise of one block and the states of every run.
 struct Marcher<'a> {
-    driver: &'a Driver<'a>,
+    ladder: &'a Ladder<'a>,
     first_path: u64,
     live: PathMask,
     next_noise: NextNoise,
-    ladder: DyadicLadder,
+    levels: DyadicLadder,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
     truncated: StepNoise,
@@ -236,24 +203,24 @@ struct Marcher<'a> {
 }
 
 impl<'a> Marcher<'a> {
-    fn new(driver: &'a Driver<'a>, first_path: u64, paths: usize) -> Self {
-        let runs = driver.runs.len();
-        let key = driver.key.beside(Purpose::TimeChange);
+    fn new(ladder: &'a Ladder<'a>, first_path: u64, paths: usize) -> Self {
+        let runs = ladder.runs.len();
+        let key = ladder.key.beside(Purpose::TimeChange);
         let start = |(number, run): (usize, &'a Run<'_>)| {
-            run.scheme.start(&(driver.start)(number, first_path))
+            run.scheme.start(&(ladder.start)(number, first_path))
         };
         let mut new = Self {
-            driver,
+            ladder,
             first_path,
             live: PathMask::first(paths),
-            next_noise: (driver.noise)(first_path),
-            ladder: DyadicLadder::new(driver.levels, &driver.no_noise),
-            truncated: driver.no_noise.clone(),
-            states: driver.runs.iter().enumerate().map(start).collect(),
+            next_noise: (ladder.noise)(first_path),
+            levels: DyadicLadder::new(ladder.levels, &ladder.no_noise),
+            truncated: ladder.no_noise.clone(),
+            states: ladder.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
-            time_change: driver
+            time_change: ladder
                 .time_change
                 .map(|change| (change, WienerRows::new(key, first_path))),
             rests: false,
@@ -283,27 +250,27 @@ impl<'a> Marcher<'a> {
         tally: &mut Tally,
         observe: &mut dyn FnMut(&View<'_>),
     ) {
-        let driver = self.driver;
+        let ladder = self.ladder;
         let complete =
-            if self.rests { driver.levels.min(n.trailing_zeros() as usize) } else { self.draw(n) };
+            if self.rests { ladder.levels.min(n.trailing_zeros() as usize) } else { self.draw(n) };
         let lives = !self.live.is_empty();
         let due = |batch: &&Batch| lives && batch.due_level() <= complete;
-        for batch in driver.batches.iter().filter(due) {
+        for batch in ladder.batches.iter().filter(due) {
             let now = &steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                let before = driver.step(batch.level, now.number() - 1);
+                let before = ladder.step(batch.level, now.number() - 1);
                 self.step(batch, &before, false, tally);
             }
             self.step(batch, now, batch.swapped, tally);
         }
-        if complete == driver.levels {
+        if complete == ladder.levels {
             if lives {
                 self.drop_non_finite(n, tally);
             }
-            self.show(n >> driver.levels, observe);
+            self.show(n >> ladder.levels, observe);
             let all_rest = self.all_rest();
-            self.rests = self.live.is_empty() || driver.time_change.is_none() && all_rest;
+            self.rests = self.live.is_empty() || ladder.time_change.is_none() && all_rest;
         }
     }
 
@@ -314,11 +281,11 @@ impl<'a> Marcher<'a> {
 
     /// Draws the noise of finest step number n. Returns the highest level whose step is complete.
     fn draw(&mut self, n: u64) -> usize {
-        let complete = self.ladder.push(&mut self.next_noise);
+        let complete = self.levels.push(&mut self.next_noise);
         if let Some((change, noise)) = &mut self.time_change {
             let mut normals = [[0.0; WIDTH]];
             noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
+            let (dw, [time]) = (&self.levels.whole(0).increments[..], &mut self.random_time.0);
             change.advance(n - 1, dw, &normals[0], time);
         }
         complete
@@ -329,7 +296,7 @@ impl<'a> Marcher<'a> {
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
         let StepNoise { increments, areas, space_time, .. } =
-            if one_before { self.ladder.first_half(level + 1) } else { self.ladder.whole(level) };
+            if one_before { self.levels.first_half(level + 1) } else { self.levels.whole(level) };
         self.truncated.clipped.clear();
         if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
             let StepNoise { increments: inside, clipped, .. } = &mut self.truncated;
@@ -352,13 +319,13 @@ impl<'a> Marcher<'a> {
     /// copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
-        let is_finest = batch.level == 0 && !batch.swapped && self.driver.no_noise.areas.is_empty();
+        let is_finest = batch.level == 0 && !batch.swapped && self.ladder.no_noise.areas.is_empty();
         let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
         if !as_drawn {
             self.truncate(batch, one_before, tally);
         }
         for &number in &batch.runs {
-            let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
+            let noise = if as_drawn { self.levels.whole(0) } else { &self.truncated };
             self.states[number].step(step, noise, &mut self.statuses[number]);
             if !self.statuses[number].failed.and(self.live).is_empty() {
                 self.drop_failed(number, step.number(), self.statuses[number], tally);
@@ -379,7 +346,7 @@ impl<'a> Marcher<'a> {
     /// Marks paths with a state that is not finite as failed, for schemes that do not do so
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
-        for (number, run) in self.driver.runs.iter().enumerate() {
+        for (number, run) in self.ladder.runs.iter().enumerate() {
             let state = self.states[number].state();
             if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
