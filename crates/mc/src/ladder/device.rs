@@ -84,7 +84,7 @@ impl Ahead<'_> {
     ) -> Option<Trajectories> {
         let runs = ladder.runs.iter().enumerate().map(|(number, run)| {
             let batch = ladder.batches.iter().find(|batch| batch.runs.contains(&number));
-            let bound = batch.map_or(f64::INFINITY, |batch| batch.bounds.increment);
+            let bound = batch.map_or(f64::INFINITY, |batch| batch.bound);
             TaskRun { method: &*run.scheme, level: run.level, bound }
         });
         let blocks = (paths.end - paths.start).div_ceil(WIDTH as u64);

@@ -36,19 +36,14 @@ use serde::{Deserialize, Serialize};
 use super::{Ladder, TimeChange, View};
 use crate::{Cause, LadderError, Run, parts::Stop};
 
-/// The truncation bounds of increments and areas.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Bounds {
-    pub increment: f64,
-    pub area: f64,
-}
-
 /// Runs of one level with the same noise.
 pub struct Batch {
     pub level: usize,
     /// Whether the runs exchange the two halves of each step of the level above.
     pub swapped: bool,
-    pub bounds: Bounds,
+    /// The truncation bound of increments, and the one of areas that belongs to it.
+    pub bound: f64,
+    pub area_bound: f64,
     pub runs: Vec<usize>,
 }
 
@@ -298,7 +293,7 @@ impl<'a> Marcher<'a> {
         let StepNoise { increments, areas, space_time, .. } =
             if one_before { self.levels.first_half(level + 1) } else { self.levels.whole(level) };
         self.truncated.clipped.clear();
-        if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+        if clip(increments, batch.bound, &mut self.truncated.increments) > 0 {
             let StepNoise { increments: inside, clipped, .. } = &mut self.truncated;
             let (paths, count) = differing(increments, inside, self.live, clipped);
             for &run in &batch.runs {
@@ -309,7 +304,7 @@ impl<'a> Marcher<'a> {
             }
         }
         if !areas.is_empty() {
-            clip(areas, batch.bounds.area, &mut self.truncated.areas);
+            clip(areas, batch.area_bound, &mut self.truncated.areas);
         }
         self.truncated.space_time.copy_from_slice(space_time);
     }
@@ -320,7 +315,7 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
         let is_finest = batch.level == 0 && !batch.swapped && self.ladder.no_noise.areas.is_empty();
-        let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
+        let as_drawn = self.rests || is_finest && batch.bound == f64::INFINITY;
         if !as_drawn {
             self.truncate(batch, one_before, tally);
         }

@@ -21,8 +21,8 @@ use crate::{
 };
 use device::Ahead;
 use driver::{
-    Batch, Bounds, Failed, GROUP_BLOCKS, GROUP_PATHS, NextNoise, NoiseSource, StepTable, Tally,
-    drawn, step_table,
+    Batch, Failed, GROUP_BLOCKS, GROUP_PATHS, NextNoise, NoiseSource, StepTable, Tally, drawn,
+    step_table,
 };
 
 /// The state of all runs on one block at the end of a coarsest step, a time of all levels.
@@ -250,14 +250,16 @@ impl<'a> Ladder<'a> {
             let tau = ladder.tau(level);
             let truncation =
                 if scheme.about().clips_increments { truncation } else { Truncation::none() };
-            let bounds =
-                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
+            let (bound, area_bound) = (truncation.bound(tau)?, truncation.area_bound(tau)?);
             let same = |batch: &&mut Batch| {
-                (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
+                (batch.level, batch.swapped, batch.bound) == (level, swapped, bound)
             };
             match ladder.batches.iter_mut().find(same) {
                 Some(batch) => batch.runs.push(number),
-                None => ladder.batches.push(Batch { level, swapped, bounds, runs: vec![number] }),
+                None => {
+                    let runs = vec![number];
+                    ladder.batches.push(Batch { level, swapped, bound, area_bound, runs });
+                }
             }
         }
         // This order decides which failure is described first.
@@ -411,8 +413,8 @@ impl<'a> Ladder<'a> {
             if stop.is_asked() {
                 return None;
             }
-            let all = first..first + samples;
-            let (statistic, tally) = self.group(first, all, group, &new, stop);
+            let (start, all) = (first + group * GROUP_PATHS, first..first + samples);
+            let (statistic, tally) = self.group(start, all, &new, stop);
             Some((statistic, tally.unwrap_or_else(|cut_short| cut_short)))
         };
         let mut tree = MergeTree::new(merge);
@@ -486,7 +488,7 @@ impl<'a> Ladder<'a> {
     ) -> u64 {
         let all = groups.start * GROUP_PATHS..paths.min(groups.end * GROUP_PATHS);
         let compute = |group| {
-            let (statistic, tally) = self.group(0, all.clone(), group, new, stop);
+            let (statistic, tally) = self.group(group * GROUP_PATHS, all.clone(), new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
         grow(tree, groups, &compute, after)
@@ -504,17 +506,15 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), new)
     }
 
-    /// The statistic of a group of paths, counted from path number `first`, of `all` that are
-    /// wanted; `Err` with the counts if `stop` cut it short.
+    /// The statistic of the group of paths from path number `start` on, of `all` that are wanted;
+    /// `Err` with the counts if `stop` cut it short.
     fn group<T: Statistic>(
         &self,
-        first: u64,
+        start: u64,
         all: Range<u64>,
-        group: u64,
         new: &dyn Fn() -> T,
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
-        let start = first + group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(all.end - start);
         let (mut statistic, progress) = (new(), &*self.progress);
         let mut observe = |view: &View<'_>| statistic.observe(view);
@@ -576,7 +576,7 @@ impl<'a> Ladder<'a> {
             let at = |n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))];
             (0..16).map(move |n| at(n).map(one_nan))
         });
-        let bounds = batches.iter().map(|Batch { bounds, .. }| [bounds.increment, bounds.area]);
+        let bounds = batches.iter().map(|batch| [batch.bound, batch.area_bound]);
         let schemes = runs.iter().map(|run| (run.scheme.about().id, run.level, run.swapped));
         hash(&(
             (key.seed, key.experiment, finest_steps, levels, states),

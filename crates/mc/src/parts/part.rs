@@ -2,13 +2,13 @@
 
 use std::{
     fs, io,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use super::{
     JobError, Program, Share,
     lock::Lock,
-    merging::Known,
     work::{Header, PartFile, Work, differs},
 };
 use crate::{
@@ -60,7 +60,8 @@ pub struct Part {
     pub file: PartFile,
     /// Whether the file has work of an earlier run.
     pub resumes: bool,
-    known: Known,
+    /// The nodes that were merged before.
+    known: PartFile,
     _lock: Lock,
 }
 
@@ -79,7 +80,7 @@ impl Part {
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
-        let known = Known::open(folder, program)?;
+        let known = PartFile::merged(folder, program)?;
         let resumes = !file.works.is_empty() || unfinished(folder).next().is_some();
         Ok(Self { share, file, resumes, known, _lock: lock })
     }
@@ -96,19 +97,19 @@ impl Part {
         work: &Work<'_, T>,
         incomplete: bool,
     ) -> Result<Option<Nodes<T>>, JobError> {
-        let is_whole = self.share == Share::WHOLE;
+        let is_whole = self.is_whole();
         let mut nodes = self.known.nodes(work)?;
         let (first, mut tree) = (nodes.last().map_or(0, Node::end), work.tree());
         let groups = self.share.range(&(first..work.groups()));
         let mut header = work.header(groups.clone(), groups.start);
-        header.done = self.resume(work, first, &header, &mut tree)?;
+        header.done = self.resume(work, first, &groups, &mut tree)?;
         // Reports the steps of groups that need not be computed.
-        let before = first + header.done - header.groups.start;
+        let before = first + header.done - groups.start;
         (work.ladder.progress)(before * GROUP_PATHS * work.ladder.steps_per_path());
         // What cannot be read back is known before the computing.
         work.entry(header.clone(), &[Node::leaf(0, work.ladder.nothing(work.new))])?;
         let mut kept = Ok(());
-        let rest = header.done..header.groups.end;
+        let rest = header.done..groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
             if self.file.kept.is_due() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
@@ -136,10 +137,10 @@ impl Part {
         &self,
         work: &Work<'_, T>,
         known: u64,
-        header: &Header,
+        groups: &Range<u64>,
         tree: &mut MergeTree<Sum<T>>,
     ) -> Result<u64, JobError> {
-        let (path, groups) = (self.file.kept.file(), &header.groups);
+        let path = self.file.kept.file();
         let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
         let found = &entry.header;
         work.check(path, found)?;
