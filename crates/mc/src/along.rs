@@ -20,11 +20,11 @@ use std::sync::Arc;
 
 use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
-use real::{PathMask, Row, WIDTH, elementary::exp};
+use real::{PathMask, Row, Rows, WIDTH, elementary::exp};
 use schemes::{About, Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
-use crate::{Coefficients, Observe, Problem, Setup, observable::splat, setup::CoefficientsAt};
+use crate::{Coefficients, Observe, Problem, Setup, setup::CoefficientsAt};
 
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
@@ -134,7 +134,7 @@ fn extended(
     gamma: f64,
     (t, y): (f64, &[f64]),
 ) -> Coefficients {
-    let rows = splat(y);
+    let rows = Rows::splat(y);
     let first = y.len() - quantities.iter().map(Along::rows).sum::<usize>();
     let (mut at, mut stays) = (of_state(t, &y[..first]), false);
     for quantity in quantities {
@@ -185,13 +185,14 @@ impl Method for Collecting<'_> {
             }
             rows.push([0.0; WIDTH]);
         }
+        let values = vec![[0.0; WIDTH]; self.quantities.len()];
         Box::new(Collector {
             inner,
             of: self,
             before,
             rows,
-            values: vec![[0.0; WIDTH]; self.quantities.len()],
-            ends: vec![[0.0; WIDTH]; self.quantities.len()],
+            values: values.clone(),
+            ends: values,
             scratch: Vec::new(),
             stopped: PathMask::NONE,
             is_set: true,
@@ -252,23 +253,23 @@ impl Stepper for Collector<'_> {
             self.follow();
         }
         let held = self.stopped;
-        match self.rests {
-            true => *status = BlockStatus::explicit(),
-            false => self.inner.step(step, noise, status),
+        if self.rests {
+            *status = BlockStatus::explicit();
+        } else {
+            self.inner.step(step, noise, status);
         }
         // A path that stays where it is makes no step that could fail.
         status.failed = status.failed.without(held);
-        let Self { of: Collecting { system, quantities, .. }, before, .. } = self;
-        let mut first = before.len();
-        before.copy_from_slice(&self.rows[..first]);
+        let Self { of: Collecting { system, quantities, .. }, before, values, ends, .. } = self;
+        let (own, all) = (before.len(), &mut self.rows);
+        before.copy_from_slice(&all[..own]);
         let state = self.inner.state_mut();
         for p in held.paths() {
             state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
         }
-        self.rows[..first].copy_from_slice(state);
+        all[..own].copy_from_slice(state);
         // The part of the step after which a path stops on a straight line.
-        let (own, mut part) = (first, [1.0f64; WIDTH]);
-        let Self { values, ends, rows: all, .. } = self;
+        let (mut first, mut part) = (own, [1.0f64; WIDTH]);
         for ((quantity, value), next) in quantities.iter().zip(&*values).zip(&mut *ends) {
             *next = quantity.value(all);
             let rows = &mut all[first..first + quantity.rows()];
@@ -281,10 +282,14 @@ impl Stepper for Collector<'_> {
                     }
                 }
                 (Along::Passage(passage), [crossed, time]) => {
-                    let (noise, scratch) = ((step, noise, held), &mut self.scratch);
-                    let numbers = [&mut *crossed, &mut *time];
-                    let ends = (value, &*next);
-                    let straight = passage.advance(*system, before, ends, noise, numbers, scratch);
+                    let straight = passage.advance(
+                        *system,
+                        before,
+                        (value, next),
+                        (step, noise, held),
+                        [&mut *crossed, &mut *time],
+                        &mut self.scratch,
+                    );
                     passage.stop(crossed, &mut self.stopped);
                     for p in straight.and(self.stopped.without(held)).paths() {
                         part[p] = part[p].min((time[p] - step.t) / step.tau);
@@ -367,9 +372,9 @@ impl Passage {
             // c = mean·χ²/2λ; zero without noise, where a straight line passes.
             let chi = inverse_normal(next());
             let c = 0.5 * mean * chi * chi * variance / (a * a).max(f64::MIN_POSITIVE);
-            let ratio = 1.0 + c + (c * (c + 2.0)).sqrt();
+            let root = 1.0 + c + (c * (c + 2.0)).sqrt();
             let ratio =
-                if uniform(next()) * (1.0 + ratio) < ratio { mean / ratio } else { mean * ratio };
+                if uniform(next()) * (1.0 + root) < root { mean / root } else { mean * root };
             crossed[p] = 1.0;
             time[p] = step.t + step.tau / (1.0 + 1.0 / ratio);
             if variance == 0.0 && self.gradient.is_some() {

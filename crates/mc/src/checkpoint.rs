@@ -8,9 +8,9 @@ use std::{
     collections::HashSet,
     fmt::Display,
     fs,
-    io::{self, BufWriter, Seek, SeekFrom, Write},
+    io::{self, BufWriter, Seek, Write},
     path::{Path, PathBuf},
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::Mutex,
     time::{Duration, Instant},
 };
 
@@ -19,6 +19,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     files::{folder, replace_by},
+    parallel::locked,
     parts::JobError,
 };
 
@@ -97,9 +98,10 @@ impl Checkpoint {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             read => read.map_err(file_error("read", &self.file))?,
         };
-        let content = bytes.split_at_checked(SUM);
-        let content = content.filter(|(sum, content)| Sha256::digest(content)[..] == **sum);
-        let (_, content) = content.ok_or_else(|| damaged(&self.file, "its checksum is wrong"))?;
+        let (_, content) = bytes
+            .split_at_checked(SUM)
+            .filter(|(sum, content)| Sha256::digest(content)[..] == **sum)
+            .ok_or_else(|| damaged(&self.file, "its checksum is wrong"))?;
         let unreadable = |error: postcard::Error| damaged(&self.file, error);
         let (format, rest) = postcard::take_from_bytes::<u32>(content).map_err(unreadable)?;
         if format != FORMAT {
@@ -127,18 +129,18 @@ impl Checkpoint {
     pub fn write(&self, work: &impl Serialize) -> Result<(), JobError> {
         let begun = Instant::now();
         let content = (FORMAT, &self.program, work);
-        let written = fs::create_dir_all(folder(&self.file)).and_then(|()| {
-            replace_by(&self.file, |file| {
-                file.write_all(&[0; SUM])?;
-                let to = Summed { file: BufWriter::new(file), sum: Sha256::new() };
-                let to = postcard::to_io(&content, to).map_err(io::Error::other)?;
-                let (sum, file) = (to.sum.finalize(), to.file.into_inner()?);
-                file.seek(SeekFrom::Start(0))?;
-                file.write_all(&sum)
-            })
-        });
-        let written = written.map_err(file_error("write", &self.file));
-        let mut state = self.state();
+        let write = |file: &mut fs::File| {
+            file.write_all(&[0; SUM])?;
+            let to = Summed { file: BufWriter::new(file), sum: Sha256::new() };
+            let to = postcard::to_io(&content, to).map_err(io::Error::other)?;
+            let (sum, file) = (to.sum.finalize(), to.file.into_inner()?);
+            file.rewind()?;
+            file.write_all(&sum)
+        };
+        let written = fs::create_dir_all(folder(&self.file))
+            .and_then(|()| replace_by(&self.file, write))
+            .map_err(file_error("write", &self.file));
+        let mut state = locked(&self.state);
         // After a failure, too: a disk that is full is not asked again after every wave.
         (state.written, state.takes) = (Instant::now(), begun.elapsed());
         state.failure = written.as_ref().err().map(ToString::to_string);
@@ -152,17 +154,13 @@ impl Checkpoint {
 
     /// Reason why the last write failed, if it did.
     pub fn failure(&self) -> Option<String> {
-        self.state().failure.clone()
+        locked(&self.state).failure.clone()
     }
 
     /// Whether the next write is due.
     pub fn is_due(&self) -> bool {
-        let State { written, takes, .. } = &*self.state();
+        let State { written, takes, .. } = &*locked(&self.state);
         written.elapsed() >= self.interval.max(RARELY * *takes)
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -294,7 +292,7 @@ mod tests {
         assert!(!here.is_due());
         here.interval = Duration::ZERO;
         assert!(here.is_due());
-        here.state().takes = Duration::from_secs(60);
+        here.state.get_mut().unwrap().takes = Duration::from_secs(60);
         assert!(!here.is_due());
     }
 }

@@ -8,11 +8,12 @@
 //! quadrature is known to a closed integral alone, which is compared for every scheme.
 
 use nonlin::BlockStatus;
+use real::Rows;
 use schemes::Step;
 use stats::worse;
 use systems::{Damping, probe::rate_integrals};
 
-use crate::{Setup, observable::splat};
+use crate::Setup;
 
 /// Largest number of times at which sums are compared with ∫γ.
 const MAX_TIMES: u64 = 1024;
@@ -112,12 +113,14 @@ impl<'a> Resolution<'a> {
             let Step { rate_at_start, rate_at_middle, rate_at_end, .. } = step;
             let integral = step.damping_integral();
             changes += (rate_at_end - rate_at_start).abs();
-            let terms = match self.reads_rates {
-                true => [rate_at_start, rate_at_middle, rate_at_end].map(|rate| tau * rate),
-                false => [integral; 3],
+            let read = if self.reads_rates {
+                [rate_at_start, rate_at_middle, rate_at_end].map(|rate| tau * rate)
+            } else {
+                [integral; 3]
             };
-            let terms = terms.into_iter().chain([integral]);
-            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            sums.iter_mut()
+                .zip(read.iter().chain([&integral]))
+                .for_each(|(sum, term)| *sum += term);
             if (n + 1).is_multiple_of(per_time) {
                 let exact = self.exact[(n / per_time) as usize];
                 defect = sums.iter().map(|sum| (sum - exact).abs()).fold(defect, worse);
@@ -137,7 +140,7 @@ fn reads_rates(Setup { problem, scheme }: &Setup<'_>, tau: f64) -> bool {
     let noise = scheme.no_noise(problem.noises);
     let end = |rate: f64, integral: f64| {
         let step = Step::new(&Torn { rate, integral }, 0, tau).ok()?;
-        let mut state = scheme.start(&splat(&problem.y0));
+        let mut state = scheme.start(&Rows::splat(&problem.y0));
         state.step(&step, &noise, &mut BlockStatus::explicit());
         Some(state.state().iter().map(|row| row[0].to_bits()).collect::<Vec<_>>())
     };

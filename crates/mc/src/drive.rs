@@ -50,8 +50,8 @@ impl<'a> DriveResolution<'a> {
         let place = |i: usize| golden((i + 1) as f64) - 0.5;
         let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
         let beside: Vec<f64> = y0.iter().enumerate().map(moved).collect();
-        let at = |system| [y0, &beside].map(|y| in_time(system, y));
-        let functions = changing.iter().flat_map(|&system| at(system)).collect();
+        let functions =
+            changing.iter().flat_map(|&system| [y0, &beside].map(|y| in_time(system, y))).collect();
         Self { functions, t_end: *t_end, known: RefCell::default() }
     }
 
@@ -67,11 +67,10 @@ impl<'a> DriveResolution<'a> {
 fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
     let tau = t_end / steps as f64;
     let (mut scales, mut budget) = (Vec::new(), BUDGET);
-    let length = steps.min(WINDOW as u64);
-    let count = length as usize;
+    let count = steps.min(WINDOW as u64) as usize;
     (0..steps).step_by(WINDOW).find_map(|first| {
         // The last window is as long as the others.
-        let first = first.min(steps - length) as f64;
+        let first = first.min(steps - count as u64) as f64;
         // Of the step before, of each step, and of the step after. Nothing is read at 0 and T:
         // beyond them is what the second step from there reads. One step alone has no other.
         let [begins, ends] = [first == 0.0, first + count as f64 == steps as f64];
@@ -83,8 +82,8 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
         let middle = |k: usize| ((first + place(k) as f64 - 0.5) * tau).clamp(0.0, t_end);
         let read = functions.values(&array::from_fn(middle));
         let inside: Row = array::from_fn(|k| {
-            let part = golden(first * INSIDE as f64 + k as f64);
-            let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
+            let random = golden(first * INSIDE as f64 + k as f64);
+            let part = (random + (k % INSIDE) as f64) / INSIDE as f64;
             (first + (k / INSIDE).min(count - 1) as f64 + part) * tau
         });
         let values = functions.values(&inside);
@@ -94,8 +93,8 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
         read.iter().zip(&values).zip(&mut scales).enumerate().find_map(|(i, (rows, scale))| {
             let (read, values) = (&rows.0[..count + 2], &rows.1[..count * INSIDE]);
             let all = || read.iter().chain(values).copied();
-            let (lo, hi) =
-                (all().fold(f64::INFINITY, f64::min), all().fold(-f64::INFINITY, f64::max));
+            let lo = all().fold(f64::INFINITY, f64::min);
+            let hi = all().fold(-f64::INFINITY, f64::max);
             *scale = all().fold(*scale, |scale, f| scale.max(f.abs()));
             let changes = read.windows(2).map(|pair| (pair[1] - pair[0]).abs());
             let visible = 2.0 * changes.sum::<f64>() * count as f64 / (count + 1) as f64;

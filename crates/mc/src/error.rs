@@ -166,8 +166,7 @@ impl RunError {
     /// Refuses `names` of which two are equal; `what` is the word for their kind.
     pub fn twice<T: AsRef<str>>(what: &str, names: &[T]) -> Result<(), Self> {
         let mut seen = HashSet::new();
-        let same = names.iter().map(AsRef::as_ref).find(|name| !seen.insert(*name));
-        same.map_or(Ok(()), |name| {
+        names.iter().map(AsRef::as_ref).find(|name| !seen.insert(*name)).map_or(Ok(()), |name| {
             Err(Self::Setting(format!("two {what} have the name {name:?}; rename one")))
         })
     }
@@ -179,11 +178,8 @@ impl RunError {
     pub fn unmet(
         settings: impl IntoIterator<Item = (bool, &'static str, &'static str, f64)>,
     ) -> Result<(), Self> {
-        match settings.into_iter().find(|(met, ..)| !met) {
-            Some((_, name, allowed, value)) => {
-                Err(Self::Setting(format!("the {name} must be {allowed}, got {value}")))
-            }
-            None => Ok(()),
-        }
+        settings.into_iter().find(|(met, ..)| !met).map_or(Ok(()), |(_, name, allowed, value)| {
+            Err(Self::Setting(format!("the {name} must be {allowed}, got {value}")))
+        })
     }
 }

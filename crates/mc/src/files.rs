@@ -4,7 +4,7 @@ use std::{
     fs,
     io::{Error, Result, Write},
     path::Path,
-    time::{Duration, SystemTime},
+    time::Duration,
 };
 
 use serde::Serialize;
@@ -35,8 +35,8 @@ pub(crate) fn replace_by(
     // Temporary files are private by default; this one is for everybody whom the umask admits.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.suffix(TEMPORARY);
-    let mut temporary = builder.prefix(&prefix(file)).tempfile_in(folder(file))?;
+    let mut temporary =
+        builder.prefix(&prefix(file)).suffix(TEMPORARY).tempfile_in(folder(file))?;
     write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(file)?;
@@ -53,10 +53,13 @@ pub(crate) fn tidy(file: &Path) {
 /// Removes temporary files whose names begin with `prefix`, and whose age is `age` or more.
 fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let modified = || entry.metadata().and_then(|data| data.modified());
-        let is_old = |time: SystemTime| time.elapsed().is_ok_and(|since| since >= age);
-        if name.starts_with(prefix) && name.ends_with(TEMPORARY) && modified().is_ok_and(is_old) {
+        let file = entry.file_name();
+        let name = file.to_string_lossy();
+        let unchanged = || entry.metadata()?.modified()?.elapsed().map_err(Error::other);
+        if name.starts_with(prefix)
+            && name.ends_with(TEMPORARY)
+            && unchanged().is_ok_and(|since| since >= age)
+        {
             _ = fs::remove_file(entry.path());
         }
     }

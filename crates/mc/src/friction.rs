@@ -8,7 +8,7 @@ use real::{Row, elementary::exp, golden};
 use schemes::{About, Listing, Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup, driver::all_finite};
+use crate::{Coefficients, ConformalLaw, Problem, Setup, ladder::driver::all_finite};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -41,28 +41,26 @@ pub struct Friction {
 impl Friction {
     /// The rates and components, as schemes take them that have friction inside.
     pub fn inside(friction: &[Self]) -> Vec<(Arc<dyn Damping>, Vec<usize>)> {
-        let of = |one: &Self| (Arc::clone(&one.damping), one.components.clone());
-        friction.iter().map(of).collect()
+        friction.iter().map(|one| (Arc::clone(&one.damping), one.components.clone())).collect()
     }
 
     /// Puts a method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
         if all.is_empty() {
-            method
-        } else {
-            Arc::new(Damped { method, friction: all, factors: Default::default() })
+            return method;
         }
+        Arc::new(Damped { method, friction: all, factors: Default::default() })
     }
 
     /// The formulas of the damping of all components up to `t_end`, and of friction.
     pub fn describe(all: &[Self], damping: &dyn Damping, t_end: f64) -> String {
-        let of_all = damping.describe();
-        let friction = all.iter().map(|Self { damping, components }| {
+        let acts = all.is_empty() || damping.integral(0.0, t_end) != 0.0;
+        let mut formulas = Vec::from_iter(acts.then(|| damping.describe()));
+        formulas.extend(all.iter().map(|Self { damping, components }| {
             let names: Vec<String> = components.iter().map(|i| format!("y{}", i + 1)).collect();
             format!("{} on {}", damping.describe(), names.join(", "))
-        });
-        let none = !all.is_empty() && damping.integral(0.0, t_end) == 0.0;
-        (!none).then_some(of_all).into_iter().chain(friction).collect::<Vec<_>>().join("; ")
+        }));
+        formulas.join("; ")
     }
 
     /// Rates γᵢ(t) of `dimension` components by friction.
@@ -79,8 +77,10 @@ impl<'a> Setup<'a> {
     /// Adds friction to the problem and the scheme; drops laws that it breaks.
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
-        let scheme = Friction::around(self.scheme, friction);
-        Self { problem: self.problem.with_friction(friction), scheme }
+        Self {
+            problem: self.problem.with_friction(friction),
+            scheme: Friction::around(self.scheme, friction),
+        }
     }
 }
 
@@ -100,9 +100,8 @@ impl<'a> Problem<'a> {
             let size = all.iter().fold(f64::MIN_POSITIVE, |size, one| size.max(one.abs()));
             all.iter().map(|one| one / size).collect()
         });
-        let law = |law: &ConformalLaw<'a>| decaying(law.clone(), friction, &problem.y0, &ends);
-        let (laws, undamped) =
-            (problem.laws.iter().filter_map(law).collect(), problem.coefficients);
+        let Self { laws, coefficients: undamped, y0, .. } = problem.clone();
+        let laws = laws.into_iter().filter_map(|law| decaying(law, friction, &y0, &ends)).collect();
         let coefficients = Arc::new(move |t: f64, y: &[f64]| {
             let mut at: Coefficients = undamped(t, y);
             let rates = Friction::rates(friction, t, y.len());
@@ -137,9 +136,9 @@ fn decaying<'a>(
     ends: &[Vec<f64>],
 ) -> Option<ConformalLaw<'a>> {
     let size = y0.iter().fold(0.0, |size: f64, y| size.max(y.abs())).max(0.1);
-    let moved = |k: usize, y: &f64| y + 0.3 * size * (0.2 + golden(k as f64));
-    let point = |k: usize| y0.iter().enumerate().map(move |(i, y)| moved(1 + i + k * y0.len(), y));
-    let points: Vec<Vec<f64>> = (0..POINTS).map(|k| point(k).collect()).collect();
+    let moved = |(i, y): (usize, &f64)| y + 0.3 * size * (0.2 + golden(i as f64));
+    let point = |k| (1 + k * y0.len()..).zip(y0).map(moved).collect();
+    let points: Vec<Vec<f64>> = (0..POINTS).map(point).collect();
     let value = Arc::clone(&law.value);
     let ratio =
         move |y: &[f64], integrals: &[f64]| value(&damped(y, friction, integrals)) / value(y);
@@ -237,18 +236,16 @@ impl Stepper for DampedStepper<'_> {
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
-        let (of, first) = (self.of, 2 * step.number());
+        let (of, half) = (self.of, 2 * step.number());
         let factors = |half| {
-            let components = of
-                .friction
-                .iter()
-                .enumerate()
-                .flat_map(|(k, one)| one.components.iter().map(move |&i| (i, k)));
-            components.map(move |(i, k)| (i, of.factor(k, step, first + half)))
+            of.friction.iter().enumerate().flat_map(move |(k, friction)| {
+                let factor = of.factor(k, step, half);
+                friction.components.iter().map(move |&i| (i, factor))
+            })
         };
         let mut listing = self.inner.listing(step)?;
-        listing.before.splice(0..0, factors(0));
-        listing.after.extend(factors(1));
+        listing.before.splice(0..0, factors(half));
+        listing.after.extend(factors(half + 1));
         Some(listing)
     }
 }

@@ -39,10 +39,7 @@ pub fn demand(what: impl Into<String>, bytes: f64) -> Result<(), MemoryError> {
         return Ok(());
     }
     let free = free().unwrap_or(UNKNOWN);
-    match bytes <= free {
-        true => Ok(()),
-        false => Err(MemoryError { what: what.into(), bytes, free }),
-    }
+    if bytes <= free { Ok(()) } else { Err(MemoryError { what: what.into(), bytes, free }) }
 }
 
 /// Bytes that are free on Linux, within the limits of the process and of its control groups

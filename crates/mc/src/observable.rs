@@ -1,5 +1,7 @@
 //! Test functions.
 
+use std::array;
+
 use real::{PathMask, Row, WIDTH, exactly, path};
 
 /// A test function φ of states of any dimension.
@@ -67,10 +69,8 @@ where
             return;
         }
         for p in (0..WIDTH).step_by(8) {
-            let [a, b, c, d] = [path(y, p), path(y, p + 1), path(y, p + 2), path(y, p + 3)];
-            let [e, f, g, h] = [path(y, p + 4), path(y, p + 5), path(y, p + 6), path(y, p + 7)];
-            let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
-            values[p..p + 8].copy_from_slice(&eight);
+            let states: [[f64; D]; 8] = array::from_fn(|k| path(y, p + k));
+            values[p..p + 8].copy_from_slice(&states.map(phi));
         }
     }
 }
@@ -86,9 +86,4 @@ real::kernel! {
         let pairs = sums.as_flattened_mut().iter_mut().zip(more.as_flattened());
         pairs.for_each(|(sum, more)| *sum += more);
     }
-}
-
-/// Rows of a block with the state `y` on all paths.
-pub fn splat(y: &[f64]) -> Vec<Row> {
-    y.iter().map(|&y| [y; WIDTH]).collect()
 }

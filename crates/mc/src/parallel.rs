@@ -2,8 +2,9 @@
 
 use std::{
     collections::BTreeMap,
+    mem,
     ops::Range,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
     time::Instant,
 };
 
@@ -77,9 +78,14 @@ pub fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync))
     let results = Mutex::new(BTreeMap::new());
     for_each(items, &|item| {
         let result = work(item);
-        results.lock().unwrap_or_else(PoisonError::into_inner).insert(item, result);
+        locked(&results).insert(item, result);
     });
-    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_values().collect()
+    mem::take(&mut *locked(&results)).into_values().collect()
+}
+
+/// The content of a mutex, also after a panic of a thread that had it.
+pub fn locked<T>(content: &Mutex<T>) -> MutexGuard<'_, T> {
+    content.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn for_each(items: Range<u64>, work: &(dyn Fn(u64) + Sync)) {

@@ -4,14 +4,14 @@ use std::{ops::Deref, sync::Arc};
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, Rows};
+use real::{Row, Rows, WIDTH};
 use schemes::{
     About, Listing, Method, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::run_time::{self, InTime, Lanes, Op, Program, System, Weights};
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup, observable::splat};
+use crate::{Coefficients, ConformalLaw, Problem, Setup};
 
 impl<'a> Problem<'a> {
     /// The problem with a system that is known at run time.
@@ -20,8 +20,8 @@ impl<'a> Problem<'a> {
         let description = system.description();
         let law = |(index, &invariant)| {
             ConformalLaw::new(invariant, move |y| {
-                let mut out = [0.0; real::WIDTH];
-                system.invariant(index, &splat(y), &mut out, &mut scratch(system));
+                let mut out = [0.0; WIDTH];
+                system.invariant(index, &Rows::splat(y), &mut out, &mut scratch(system));
                 out[0]
             })
         };
@@ -117,30 +117,34 @@ impl<B: Deref<Target: Scheme> + Send + Sync> Method for Bound<'_, B> {
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        let stepper = self.scheme.stepper(self.system);
-        let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
+        let mut stepper =
+            self.scheme.stepper(self.system).unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        Box::new(Paths { stepper, guard: self.system.guard() })
+        match self.system.guard() {
+            Some(guard) => Box::new(Guarded { stepper, guard }),
+            None => stepper,
+        }
     }
 }
 
-struct Paths<'a> {
+/// A stepper whose paths fail where the guard of the system is not finite.
+struct Guarded<'a> {
     stepper: Box<dyn Stepper + 'a>,
-    guard: Option<Box<dyn Program>>,
+    guard: Box<dyn Program>,
 }
 
-impl Stepper for Paths<'_> {
+impl Stepper for Guarded<'_> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.stepper.step(step, noise, status);
-        if let Some(guard) = &mut self.guard {
-            let (h, mut value) = (at_end(step), [[0.0; real::WIDTH]]);
-            guard.run(&[self.stepper.state()], &[], h, &mut value);
-            status.fail_where_not_finite(&value);
-        }
+        // At the end of the step.
+        let h = Weights { t: step.t + step.tau, ..Weights::NONE };
+        let mut value = [[0.0; WIDTH]];
+        self.guard.run(&[self.stepper.state()], &[], h, &mut value);
+        status.fail_where_not_finite(&value);
     }
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
-        let guard = self.guard.as_deref_mut().map(|guard| (guard, at_end(step).t));
+        let guard = Some((&mut *self.guard, step.t + step.tau));
         Some(Listing { guard, ..self.stepper.listing(step)? })
     }
 
@@ -153,11 +157,6 @@ impl Stepper for Paths<'_> {
     }
 }
 
-/// Weights at the end of a step, where guards are asked.
-fn at_end(step: &Step) -> Weights<'static> {
-    Weights { t: step.t + step.tau, ..Weights::NONE }
-}
-
 /// Rows for any operation of a system.
 fn scratch(system: &dyn System) -> Rows {
     Rows::zero(system.description().scratch_rows())
@@ -165,22 +164,21 @@ fn scratch(system: &dyn System) -> Rows {
 
 /// Coefficients at the time `t` and the state `y`, computed on all places of a row.
 fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
-    let (y, noises) = (&splat(y)[..], system.description().noises);
+    let y = &Rows::splat(y)[..];
     let first = |rows: Vec<Row>| rows.iter().map(|row| row[0]).collect();
     let field = |k| first(field(system, t, y, k));
     let h = Weights { t, ..Weights::NONE };
     Coefficients {
         drift: field(0),
-        noises: (1..=noises).map(field).collect(),
+        noises: (1..=system.description().noises).map(field).collect(),
         correction: first(apply(system, Op::ItoCorrection { y }, h)),
     }
 }
 
 /// fₖ = B∇Hₖ at 32 states.
 fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
-    let noises = system.description().noises;
-    let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
-    let dw = splat(&dw);
+    let noises = 1..=system.description().noises;
+    let dw: Vec<Row> = noises.map(|m| [f64::from(u8::from(m == k)); WIDTH]).collect();
     let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw: &dw, areas: &[] };
     let v = apply(system, Op::Gradient { y }, h);
     apply(system, Op::Structure { y, v: &v }, h)
@@ -188,17 +186,14 @@ fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
 
 /// Rows that an operation of a system writes.
 fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
-    let mut out = splat(&vec![0.0; system.description().dimension]);
+    let mut out = vec![[0.0; WIDTH]; system.description().dimension];
     system.apply(op, 0..out.len(), h, &mut out, &mut scratch(system));
     out
 }
 
 /// Functions of time at a state: those that the system gives, else all fields at single times.
 pub fn in_time<'a>(system: &'a dyn System, y: &[f64]) -> Box<dyn InTime + 'a> {
-    match system.in_time(y) {
-        Some(known) => known,
-        None => Box::new(Sampled { system, y: y.into() }),
-    }
+    system.in_time(y).unwrap_or_else(|| Box::new(Sampled { system, y: y.into() }))
 }
 
 struct Sampled<'a> {

@@ -4,14 +4,14 @@ use std::{ops::Deref, sync::Arc};
 
 use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
-use real::{Block, Row, elementary::exp, exactly};
+use real::{Block, Row, Rows, elementary::exp, exactly};
 use schemes::{About, Device, Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
     vector_field,
 };
 
-use crate::{Friction, observable::splat};
+use crate::Friction;
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
@@ -85,16 +85,14 @@ impl<'a> ConformalLaw<'a> {
         Invariant { name, degree, kind, .. }: Invariant,
         value: impl Fn(&[f64]) -> f64 + Send + Sync + 'a,
     ) -> Self {
-        let (casimir, value) = (kind == InvariantKind::Casimir, Arc::new(value));
-        Self { name: name.into(), degree, casimir, value, decay: None }
+        let casimir = kind == InvariantKind::Casimir;
+        Self { name: name.into(), degree, casimir, value: Arc::new(value), decay: None }
     }
 
     /// F(y(t))/F(y(0)) from the integrals of all [dampings](Problem::dampings) from 0 to t.
     pub fn decay(&self, integrals: &[f64]) -> f64 {
-        match &self.decay {
-            Some(decay) => decay(integrals),
-            None => exp(-self.degree * integrals[0]),
-        }
+        let plain = || exp(-self.degree * integrals[0]);
+        self.decay.as_ref().map_or_else(plain, |decay| decay(integrals))
     }
 }
 
@@ -240,13 +238,12 @@ impl<'a> Problem<'a> {
 
     /// The damping of all components, and the friction.
     pub fn dampings(&self) -> impl Iterator<Item = &'a dyn Damping> + use<'a> {
-        let friction = self.friction.iter().map(|friction| &*friction.damping as &dyn Damping);
-        [self.damping].into_iter().chain(friction)
+        [self.damping].into_iter().chain(self.friction.iter().map(|friction| &*friction.damping))
     }
 
     /// The states of 32 paths from path number `first` on at time 0.
     pub fn start(&self, key: StreamKey, first: u64) -> Vec<Row> {
-        let mut rows = splat(&self.y0);
+        let mut rows = Rows::splat(&self.y0).to_vec();
         if let Some(Initial { draw, .. }) = &self.initial {
             draw(key.beside(Purpose::InitialValues), first, &mut rows);
         }
@@ -271,7 +268,7 @@ impl<'a> Setup<'a> {
     /// The states of 32 paths at time 0 from `y0`, one possible value if it is random, with the
     /// rows that they have [collected](Self::collecting).
     pub fn start(&self) -> Vec<Row> {
-        self.scheme.start(&splat(&self.problem.y0)).state().to_vec()
+        self.scheme.start(&Rows::splat(&self.problem.y0)).state().to_vec()
     }
 }
 

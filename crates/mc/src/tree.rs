@@ -73,13 +73,12 @@ impl<T> MergeTree<T> {
     }
 
     /// The sum of all leaves, which begin with leaf 0; `None` without leaves.
-    pub fn finish(mut self) -> Option<T> {
-        let mut sum = self.nodes.pop()?.sum;
-        while let Some(mut left) = self.nodes.pop() {
-            (self.merge)(&mut left.sum, sum);
-            sum = left.sum;
-        }
-        Some(sum)
+    pub fn finish(self) -> Option<T> {
+        let sums = self.nodes.into_iter().rev().map(|node| node.sum);
+        sums.reduce(|later, mut sum| {
+            (self.merge)(&mut sum, later);
+            sum
+        })
     }
 }
 

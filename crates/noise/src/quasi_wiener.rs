@@ -4,7 +4,9 @@ use std::{collections::VecDeque, sync::Arc};
 
 use real::{Kernel, Row, WIDTH, dispatch};
 
-use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals, sobol::Points};
+use crate::{
+    NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals, sobol::point_number,
+};
 
 /// Increments of M independent Wiener processes over N equal steps of [0, T], from points of
 /// [`ScrambledSobol`]: randomised quasi-Monte Carlo.
@@ -78,21 +80,18 @@ impl QuasiWiener {
     ) -> Result<Self, NoiseError> {
         NoiseError::unless_positive("the number of steps", steps as f64)?;
         NoiseError::unless_positive("the end of time", t_end)?;
-        let count = usize::try_from(steps).ok().and_then(|steps| steps.checked_mul(noises));
-        let dimensions = if noises == 0 { Some(0) } else { count };
-        let Some(dimensions) = dimensions.filter(|&count| count <= Self::MAX_DIMENSIONS) else {
-            let most = Self::MAX_DIMENSIONS;
+        let most = Self::MAX_DIMENSIONS;
+        let dimensions = u128::from(steps) * noises as u128;
+        if dimensions > most as u128 {
             return Err(NoiseError(format!(
                 "{steps} steps of {noises} noises have more than {most} dimensions"
             )));
-        };
+        }
+        let nodes = if noises == 0 { Vec::new() } else { bridge(steps as usize, t_end) };
         Ok(Self {
-            sobol: ScrambledSobol::new(key, scramble, dimensions),
+            sobol: ScrambledSobol::new(key, scramble, dimensions as usize),
             key,
-            nodes: dimensions
-                .checked_div(noises)
-                .map_or_else(Vec::new, |n| bridge(n, t_end))
-                .into(),
+            nodes: nodes.into(),
             noises,
         })
     }
@@ -120,7 +119,7 @@ impl QuasiWiener {
     pub fn block(&self, first_point: u64, increments: &mut [Row]) {
         assert_eq!(increments.len(), self.dimensions(), "there is a row for every dimension");
         assert!(first_point.is_multiple_of(WIDTH as u64), "blocks begin at multiples of 32");
-        dispatch(Fill { noise: self, points: Points::new(first_point), rows: increments });
+        dispatch(Fill { noise: self, first: point_number(first_point), rows: increments });
     }
 
     /// The increments of one point, with the same bits: number n·M + m is ΔW_m over step n.
@@ -129,7 +128,7 @@ impl QuasiWiener {
     /// For points from 2³² on.
     pub fn path(&self, point: u64) -> Vec<f64> {
         let mut rows = vec![[0.0]; self.dimensions()];
-        Fill { noise: self, points: Points::new(point), rows: &mut rows }.run();
+        Fill { noise: self, first: point_number(point), rows: &mut rows }.run();
         rows.into_flattened()
     }
 }
@@ -170,7 +169,8 @@ fn bridge(steps: usize, t_end: f64) -> Vec<BridgeNode> {
 /// The increments of all dimensions.
 struct Fill<'a, const L: usize> {
     noise: &'a QuasiWiener,
-    points: Points<L>,
+    /// Number of the first point.
+    first: u32,
     rows: &'a mut [[f64; L]],
 }
 
@@ -178,16 +178,13 @@ impl<const L: usize> Kernel for Fill<'_, L> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { noise: QuasiWiener { sobol, nodes, noises, .. }, points, rows } = self;
+        let Self { noise: QuasiWiener { sobol, nodes, noises, .. }, first, rows } = self;
         let (mut high, mut words, mut normals) = ([0; WIDTH], [0; L], [0.0; L]);
         // First the values W_m at the nodes.
         let mut d = 0;
         for node in nodes.iter() {
             for m in 0..*noises {
-                if d % WIDTH == 0 {
-                    high = sobol.high_digits(d / WIDTH, points);
-                }
-                sobol.fill(d, &high, points, &mut words);
+                sobol.fill(d, &mut high, first, &mut words);
                 fill_normals(&words, &mut normals, node.deviation);
                 d += 1;
                 let row = |n: usize| (n - 1) * noises + m;

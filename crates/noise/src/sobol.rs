@@ -7,7 +7,7 @@ use real::WIDTH;
 use crate::{
     StreamKey,
     box_muller::open_unit,
-    stream::{GOLDEN, mix},
+    stream::{GOLDEN, SplitMix, mix},
 };
 
 /// The direction numbers of dimensions 2 to 1024 of new-joe-kuo-6 (Joe and Kuo 2008), a line each:
@@ -76,7 +76,7 @@ impl ScrambledSobol {
         Self {
             groups: &TABLE[..sobol.div_ceil(WIDTH)],
             dimensions,
-            seeds: (0..sobol).map(|d| Seeds::new(DimensionWords::new(root, d))).collect(),
+            seeds: (0..sobol).map(|d| Seeds::new(dimension_words(root, d))).collect(),
             root,
         }
     }
@@ -91,14 +91,9 @@ impl ScrambledSobol {
     /// # Panics
     /// For points from 2³² on.
     pub fn point(&self, point: u64) -> Vec<u64> {
-        let points = Points::<1>::new(point);
-        let (mut high, mut words) = ([0; WIDTH], vec![[0]; self.dimensions]);
-        for (d, word) in words.iter_mut().enumerate() {
-            if d % WIDTH == 0 {
-                high = self.high_digits(d / WIDTH, points);
-            }
-            self.fill(d, &high, points, word);
-        }
+        let (first, mut high) = (point_number(point), [0; WIDTH]);
+        let mut words = vec![[0]; self.dimensions];
+        words.iter_mut().enumerate().for_each(|(d, word)| self.fill(d, &mut high, first, word));
         words.into_flattened()
     }
 
@@ -108,13 +103,13 @@ impl ScrambledSobol {
         open_unit(word >> 12)
     }
 
-    /// The Sobol numbers of the first of the points without its lowest five digits, in dimensions
+    /// The Sobol numbers of point `first` without its lowest five digits, in dimensions
     /// 32g .. 32g + 32; zeros for a group of padded dimensions.
     #[inline(always)]
-    pub(crate) fn high_digits<const L: usize>(&self, g: usize, points: Points<L>) -> [u32; WIDTH] {
+    fn high_digits(&self, g: usize, first: u32) -> [u32; WIDTH] {
         let mut high = [0; WIDTH];
         if let Some(group) = self.groups.get(g) {
-            let mut rest = points.first >> LOW_DIGITS;
+            let mut rest = first >> LOW_DIGITS;
             while rest != 0 {
                 let directions = &group.high[rest.trailing_zeros() as usize];
                 for d in 0..WIDTH {
@@ -126,52 +121,49 @@ impl ScrambledSobol {
         high
     }
 
-    /// Coordinate `d` of the points, from the [`high_digits`](Self::high_digits) of its group.
+    /// Coordinate `d` of L points from point `first` on: one, or a block of them. Dimensions come
+    /// in their order, since `high` has the [`high_digits`](Self::high_digits) of the group of the
+    /// last one.
     #[inline(always)]
     pub(crate) fn fill<const L: usize>(
         &self,
         d: usize,
-        high: &[u32; WIDTH],
-        points: Points<L>,
+        high: &mut [u32; WIDTH],
+        first: u32,
         words: &mut [u64; L],
     ) {
+        if d % WIDTH == 0 {
+            *high = self.high_digits(d / WIDTH, first);
+        }
         if let Some(seeds) = self.seeds.get(d) {
             // L is 1, or WIDTH for points that begin at a multiple of it.
-            let offset = points.first as usize % WIDTH;
+            let offset = first as usize % WIDTH;
             let low = &self.groups[d / WIDTH].low[d % WIDTH][offset..offset + L];
             let (mut digits, mut random) = ([0; L], [0; L]);
             for p in 0..L {
                 digits[p] = seeds.scrambled(high[d % WIDTH] ^ low[p]);
             }
             for p in 0..L {
-                random[p] = seeds.random(points.first.wrapping_add(p as u32));
+                random[p] = seeds.random(first.wrapping_add(p as u32));
             }
             for p in 0..L {
                 words[p] = u64::from(digits[p]) << DIGITS | u64::from(random[p]);
             }
         } else {
             // SplitMix64 with a random increment, at the number of the point.
-            let mut seeds = DimensionWords::new(self.root, d);
+            let mut seeds = dimension_words(self.root, d);
             let (sum, factor) = (seeds.next(), seeds.next() | 1);
             for p in 0..L {
-                let point = u64::from(points.first) + p as u64;
+                let point = u64::from(first) + p as u64;
                 words[p] = mix(sum.wrapping_add(point.wrapping_mul(factor)));
             }
         }
     }
 }
 
-/// L consecutive points: one, or a block of them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Points<const L: usize> {
-    first: u32,
-}
-
-impl<const L: usize> Points<L> {
-    pub(crate) fn new(first: u64) -> Self {
-        let first = u32::try_from(first);
-        Self { first: first.unwrap_or_else(|_| panic!("a scramble has the points 0 to 2^32 - 1")) }
-    }
+/// The number of a point of a scramble, or of the first one of a block.
+pub(crate) fn point_number(number: u64) -> u32 {
+    number.try_into().unwrap_or_else(|_| panic!("a scramble has the points 0 to 2^32 - 1"))
 }
 
 /// The random words of the scrambling of a dimension.
@@ -185,7 +177,7 @@ struct Seeds {
 }
 
 impl Seeds {
-    fn new(mut words: DimensionWords) -> Self {
+    fn new(mut words: SplitMix) -> Self {
         let [one, two, three] = [(); 3].map(|()| words.next());
         Self {
             sum: one as u32,
@@ -219,18 +211,9 @@ impl Seeds {
     }
 }
 
-/// The words of the scrambling of a dimension, by SplitMix64.
-struct DimensionWords(u64);
-
-impl DimensionWords {
-    fn new(root: u64, dimension: usize) -> Self {
-        Self(mix(root.wrapping_add((dimension as u64 + 1).wrapping_mul(GOLDEN))))
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(GOLDEN);
-        mix(self.0)
-    }
+/// The words of the scrambling of a dimension.
+fn dimension_words(root: u64, dimension: usize) -> SplitMix {
+    SplitMix(mix(root.wrapping_add((dimension as u64 + 1).wrapping_mul(GOLDEN))))
 }
 
 /// The direction numbers of 32 dimensions, the first digit in the lowest bit.
@@ -333,9 +316,8 @@ mod tests {
         let all = all_directions();
         let points = ScrambledSobol::new(StreamKey { seed: 0, experiment: 0 }, 0, 1024);
         for first in [0, 32, 96, 1 << 20, u32::MAX - 31, 0x1234_5660] {
-            let block: Points<WIDTH> = Points { first };
             for g in 0..32 {
-                let high = points.high_digits(g, block);
+                let high = points.high_digits(g, first);
                 for d in 0..WIDTH {
                     for p in 0..WIDTH {
                         let digits = high[d] ^ points.groups[g].low[d][p];
@@ -350,9 +332,9 @@ mod tests {
     #[test]
     fn scrambling_is_nested() {
         // Numbers that agree in k digits and differ in the next do so after scrambling.
-        let mut words = DimensionWords::new(1, 0);
+        let mut words = dimension_words(1, 0);
         for n in 0..10_000 {
-            let seeds = Seeds::new(DimensionWords::new(2, n % 100));
+            let seeds = Seeds::new(dimension_words(2, n % 100));
             let (x, k) = (words.next() as u32, n % DIGITS);
             let y = x ^ (1 | (words.next() as u32) << 1) << k;
             let difference = seeds.scrambled(x) ^ seeds.scrambled(y);

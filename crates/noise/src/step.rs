@@ -26,7 +26,7 @@ impl<const M: usize> Noise<M> {
 /// The noise of one step on a block of 32 paths, for any number M of noises.
 ///
 /// A_ml of path p, m < l, is `areas[m * M + l][p]`; the other rows are zero.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct StepNoise {
     /// ΔW_m of every path; row m belongs to noise number m.
     pub increments: Rows,
@@ -49,8 +49,7 @@ impl StepNoise {
 
     /// Zero increments of `noises` Wiener processes, with zero Lévy areas.
     pub fn with_areas(noises: usize) -> Self {
-        let areas = Rows::zero(noises.saturating_mul(noises));
-        Self { areas, ..Self::zero(noises) }
+        Self { areas: Rows::zero(noises.saturating_mul(noises)), ..Self::zero(noises) }
     }
 
     /// Zero increments of `noises` Wiener processes, with zero Lévy areas if `areas` is true.
@@ -92,10 +91,13 @@ impl StepNoise {
 
     /// Gives path `p` the noise of path `q` of `other`, which has areas if this noise has.
     pub fn copy_path(&mut self, p: usize, other: &Self, q: usize) {
-        let rows = self.increments.iter_mut().zip(other.increments.iter());
-        rows.chain(self.areas.iter_mut().zip(other.areas.iter()))
-            .chain(self.space_time.iter_mut().zip(other.space_time.iter()))
-            .for_each(|(row, other)| row[p] = other[q]);
+        for (rows, others) in [
+            (&mut self.increments, &other.increments),
+            (&mut self.areas, &other.areas),
+            (&mut self.space_time, &other.space_time),
+        ] {
+            rows.iter_mut().zip(others.iter()).for_each(|(row, other)| row[p] = other[q]);
+        }
     }
 
     /// Makes this the noise of its step and the `next` one, of the same size, together: sums of
@@ -120,12 +122,7 @@ impl StepNoise {
 /// Increments, a row for each noise, without areas.
 impl From<Rows> for StepNoise {
     fn from(increments: Rows) -> Self {
-        Self {
-            increments,
-            areas: Rows::default(),
-            space_time: Rows::default(),
-            clipped: Vec::new(),
-        }
+        Self { increments, ..Self::default() }
     }
 }
 

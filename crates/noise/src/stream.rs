@@ -78,6 +78,16 @@ pub fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// The words of SplitMix64, from a state.
+pub(crate) struct SplitMix(pub(crate) u64);
+
+impl SplitMix {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(GOLDEN);
+        mix(self.0)
+    }
+}
+
 impl StreamKey {
     /// The 64-bit seed of the generator of path `path`. For a fixed key it is a bijection of the
     /// path number, so no two paths of an experiment share a stream.
@@ -92,13 +102,11 @@ impl StreamKey {
     /// [`NoiseError`] unless the number of the experiment is below 2⁴⁰: a larger one has
     /// the streams of something else.
     pub fn paths_of(self, family: Purpose) -> Result<Self, NoiseError> {
-        match self.experiment >> EXPERIMENT_BITS {
-            0 => Ok(self.beside(family)),
-            _ => Err(NoiseError(format!(
-                "the experiment number must be below 2^40, got {}",
-                self.experiment
-            ))),
+        let Self { experiment, .. } = self;
+        if experiment >> EXPERIMENT_BITS == 0 {
+            return Ok(self.beside(family));
         }
+        Err(NoiseError(format!("the experiment number must be below 2^40, got {experiment}")))
     }
 
     /// The key of the streams with another purpose beside these.
@@ -122,11 +130,8 @@ impl StreamKey {
     /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which
     /// uses SplitMix64.
     pub fn state(self, path: u64) -> [u64; 4] {
-        let mut counter = self.path_seed(path);
-        [(); 4].map(|()| {
-            counter = counter.wrapping_add(GOLDEN);
-            mix(counter)
-        })
+        let mut words = SplitMix(self.path_seed(path));
+        [(); 4].map(|()| words.next())
     }
 }
 
@@ -156,9 +161,7 @@ impl BlockStreams {
         let mut words = [[0; WIDTH]; 4];
         for p in 0..WIDTH {
             let state = key.state(first.wrapping_add(p as u64));
-            for i in 0..4 {
-                words[i][p] = state[i];
-            }
+            words.iter_mut().zip(state).for_each(|(row, word)| row[p] = word);
         }
         Self(words)
     }

@@ -27,10 +27,9 @@ impl Truncation {
     pub fn new(k: u32) -> Result<Self, NoiseError> {
         if k == 0 {
             let needs = "must be at least 1 (the theorems ask k >= 2)";
-            Err(NoiseError(format!("the truncation order k {needs}, got k = 0")))
-        } else {
-            Ok(Self { order: Some(k), wide: false })
+            return Err(NoiseError(format!("the truncation order k {needs}, got k = 0")));
         }
+        Ok(Self { order: Some(k), ..Self::none() })
     }
 
     /// No truncation: for explicit schemes, and for experiments without it.

@@ -42,10 +42,9 @@ pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(
         return None;
     }
     // Scaled by their means, so that logarithms of means are differences to the estimate.
-    let values = levels.iter().map(|&l| {
-        squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect::<Vec<f64>>()
-    });
-    let values: Vec<_> = values.collect();
+    let values =
+        |&l: &usize| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect();
+    let values: Vec<Vec<f64>> = levels.iter().map(values).collect();
     let statistic = |resample: usize| {
         let times = draw(resample as u64, batches);
         let count = dot(&times, &counts);

@@ -35,10 +35,7 @@ impl CentralMoments {
     /// Moments of the values of the given paths of a block. The mean is finite if all values and
     /// their sum are.
     pub fn of_block(values: &[f64; WIDTH], paths: PathMask) -> Self {
-        match paths.is_empty() {
-            true => Self::default(),
-            false => of_block(values, 1.0, paths),
-        }
+        if paths.is_empty() { Self::default() } else { of_block(values, 1.0, paths) }
     }
 
     /// Adds the finite values of the given paths of a block, times `scale`. Returns the paths whose

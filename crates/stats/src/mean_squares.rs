@@ -151,8 +151,7 @@ impl<'a> LogMeanSquares<'a> {
         let taus = &self.taus;
         let x: Vec<f64> = taus.iter().map(|tau| elementary::powi(tau / taus[0], power)).collect();
         let factors = |b: f64| x.iter().map(|x| 1.0 + b * x).collect::<Vec<f64>>();
-        let mut b = 0.0;
-        let mut left = GAUSS_NEWTON_STEPS;
+        let (mut b, mut left) = (0.0, GAUSS_NEWTON_STEPS);
         loop {
             let now = factors(b);
             let mut design =

@@ -133,13 +133,13 @@ fn shape(falling: &[f64]) -> f64 {
         falling[..above].iter().map(logarithm).sum::<f64>() / n
     };
     let points = (30.0 + n.sqrt()).floor();
-    let grid = (0..points as usize).map(|j| {
-        let root = (points / (j as f64 + 0.5)).sqrt();
+    let likelihood = |j| {
+        let root = (points / (f64::from(j) + 0.5)).sqrt();
         let theta = 1.0 / largest + (1.0 - root) / (3.0 * quartile);
         let k = k(theta);
         (theta, n * (elementary::ln(-theta / k) - k - 1.0))
-    });
-    let grid: Vec<(f64, f64)> = grid.collect();
+    };
+    let grid: Vec<(f64, f64)> = (0..points as u32).map(likelihood).collect();
     let most = grid.iter().map(|one| one.1).fold(f64::NEG_INFINITY, f64::max);
     let mean = grid.iter().fold((0.0, 0.0), |(sum, weights), (theta, likelihood)| {
         let weight = elementary::exp(likelihood - most);

@@ -44,9 +44,9 @@ impl Warning {
 impl Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { what, why, remedy } = self;
-        let parts = [(": ", why), ("; ", remedy)];
-        let parts = parts.iter().filter(|(_, part)| !part.is_empty());
         f.write_str(what)?;
-        parts.into_iter().try_for_each(|(mark, part)| write!(f, "{mark}{part}"))
+        let mut parts =
+            [(": ", why), ("; ", remedy)].into_iter().filter(|(_, part)| !part.is_empty());
+        parts.try_for_each(|(mark, part)| write!(f, "{mark}{part}"))
     }
 }

@@ -1,7 +1,6 @@
 //! The weak order from signed errors whose covariance is known.
 
 use real::elementary;
-use std::ops::RangeInclusive;
 
 use crate::{
     least_squares::{Weighting, diagonal},
@@ -11,9 +10,9 @@ use crate::{
     rate::{Against, Expansion, Rate},
 };
 
-/// Candidates for the weak order: 0 to 4, on a grid of 1/500.
-const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
+/// Candidates for the weak order: up to 4, on a grid of 1/500.
 const GRID: u32 = 500;
+const HIGHEST: u32 = 4 * GRID;
 /// Number of standard errors from zero that an error must reach somewhere to be outside the noise.
 const NOISE: f64 = 4.0;
 
@@ -47,28 +46,24 @@ pub fn fit_weak(
     let terms = if levels >= 7 { 3 } else { 2 };
     let (coarsest, finest) = (taus[0], taus[levels - 1]);
     let weighting = Weighting::new(covariance)?;
-    let mut profile = Vec::new();
     let lowest = match expansion {
         Expansion::EveryPower => 0,
         Expansion::EvenPowers => GRID,
     };
-    for p in ORDERS.filter(|i| *i >= lowest).map(|i| f64::from(i) / f64::from(GRID)) {
+    let candidate = |i: u32| {
+        let p = f64::from(i) / f64::from(GRID);
         let powers = (0..terms).map(|term| p + expansion.step() * f64::from(term));
-        let design = against.design(taus, powers.clone());
         // With p = 0 against another step there is nothing to fit: a constant has no difference.
-        let Some(fit) = weighting.fit(&design, errors) else {
-            continue;
-        };
+        let fit = weighting.fit(&against.design(taus, powers.clone()), errors)?;
         // What the terms contribute at the finest step to what was measured. The term of an error
         // that hardly changes from step to step, p ≈ 0, is large in the error and nothing in a
         // difference.
         let size =
             |(q, parameter): (f64, &f64)| (parameter * against.power(finest, coarsest, q)).abs();
         let mut sizes = powers.zip(&fit.parameters).map(size);
-        if sizes.next()? > sizes.sum() {
-            profile.push((p, fit.chi_square));
-        }
-    }
+        (sizes.next()? > sizes.sum()).then_some((p, fit.chi_square))
+    };
+    let profile: Vec<(f64, f64)> = (lowest..=HIGHEST).filter_map(candidate).collect();
     let (estimate, least) = profile.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let allowed = least + two_sided(CONFIDENCE, None).powi(2);
     let mut inside = profile.iter().filter(|(_, chi)| *chi <= allowed).map(|(p, _)| *p);
@@ -89,7 +84,7 @@ pub fn fit_weak(
         Against::HalfStep => "differences e(τ) − e(τ/2) of an error",
     };
     let next = (1..terms).map(|k| format!(" + cτ^(p+{})", f64::from(k) * expansion.step()));
-    let powers = next.collect::<String>();
+    let powers: String = next.collect();
     let law = format!("profile of generalised least squares, {what} = aτ^p{powers}");
     Some(rate.described(&law))
 }
@@ -107,18 +102,18 @@ pub fn lower_share(
     against: Against,
 ) -> Option<f64> {
     let (coarsest, finest) = (taus[0], taus[taus.len() - 1]);
-    let powers = || (1..=order + 1).map(f64::from);
-    if powers().count() > taus.len() {
+    let powers = (1..=order + 1).map(f64::from);
+    if order as usize >= taus.len() {
         return None;
     }
     let weighting = Weighting::new(covariance)?;
-    let fit = weighting.fit(&against.design(taus, powers()), errors)?;
+    let fit = weighting.fit(&against.design(taus, powers.clone()), errors)?;
     let quantile = two_sided(CONFIDENCE, None);
     let term = |(c, q): (usize, f64)| {
         let largest = fit.parameters[c].abs() + quantile * fit.covariance(c)[c].sqrt();
         largest * against.power(finest, coarsest, q).abs()
     };
-    let lower = powers().enumerate().take(order as usize - 1).map(term).sum::<f64>();
+    let lower = powers.enumerate().take(order as usize - 1).map(term).sum::<f64>();
     Some(lower / errors[errors.len() - 1].abs())
 }
 

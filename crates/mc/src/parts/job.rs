@@ -5,7 +5,7 @@ use std::{
     fmt, fs,
     path::Path,
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
     thread::available_parallelism,
@@ -22,6 +22,7 @@ use crate::{
     Checkpoint, Kept,
     checkpoint::file_error,
     ladder::{Nodes, merge},
+    parallel::locked,
     tree::MergeTree,
 };
 
@@ -45,6 +46,7 @@ impl fmt::Debug for Job {
     }
 }
 
+#[derive(Default)]
 struct State {
     mode: Mode,
     error: Option<JobError>,
@@ -54,8 +56,10 @@ struct State {
     section: String,
 }
 
+#[derive(Default)]
 enum Mode {
     /// Computes all work and writes nothing.
+    #[default]
     Here,
     Part(Part),
     Merge(Merging),
@@ -97,13 +101,8 @@ impl Job {
     }
 
     fn new(mode: Mode) -> Self {
-        let state =
-            Mutex::new(State { mode, error: None, names: BTreeSet::new(), section: String::new() });
+        let state = Mutex::new(State { mode, ..State::default() });
         Self { stop: Stop::default(), incomplete: false, state }
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Lets `stop` end the job early, with a checkpoint.
@@ -122,7 +121,7 @@ impl Job {
     /// Writes a checkpoint every `interval`, but for a fiftieth of the time at most; every two
     /// seconds by default.
     pub fn with_checkpoints_every(self, interval: Duration) -> Self {
-        if let Mode::Part(part) = &mut self.state().mode {
+        if let Mode::Part(part) = &mut locked(&self.state).mode {
             part.file.kept.interval = interval;
         }
         self
@@ -130,20 +129,20 @@ impl Job {
 
     /// Begins a section: the names of works begin with that of their section from now on.
     pub fn section(&self, name: &str) {
-        name.clone_into(&mut self.state().section);
+        name.clone_into(&mut locked(&self.state).section);
     }
 
     /// Whether this job goes on from a checkpoint.
     pub fn resumes(&self) -> bool {
-        matches!(&self.state().mode, Mode::Part(part) if part.resumes)
+        matches!(&locked(&self.state).mode, Mode::Part(part) if part.resumes)
     }
 
     /// Whether all work is done here, and not in parts.
     pub fn is_whole(&self) -> bool {
-        match &self.state().mode {
+        match &locked(&self.state).mode {
             Mode::Here => true,
             Mode::Part(part) => part.is_whole(),
-            Mode::Merge(_) | Mode::Plan(..) => false,
+            _ => false,
         }
     }
 
@@ -151,10 +150,8 @@ impl Job {
     /// one: `name` makes it another than that of other such work. [`remove`](super::remove) takes
     /// it away.
     pub fn checkpoint(&self, name: &str) -> Option<Checkpoint> {
-        match &self.state().mode {
-            Mode::Part(part) => Some(part.file.kept.beside(&format!("{UNFINISHED}{name}.bin"))),
-            _ => None,
-        }
+        let Mode::Part(part) = &locked(&self.state).mode else { return None };
+        Some(part.file.kept.beside(&format!("{UNFINISHED}{name}.bin")))
     }
 
     /// Ends a [`pilot`](Self::pilot), and returns the pieces of work with the time that they take.
@@ -162,10 +159,9 @@ impl Job {
     /// # Errors
     /// The first error of the job.
     pub fn plan(self) -> Result<Vec<Planned>, JobError> {
-        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        match (state.error, state.mode) {
-            (Some(error), _) => Err(error),
-            (None, Mode::Plan(_, works)) => Ok(works),
+        match self.end() {
+            State { error: Some(error), .. } => Err(error),
+            State { mode: Mode::Plan(_, works), .. } => Ok(works),
             _ => Ok(Vec::new()),
         }
     }
@@ -177,16 +173,18 @@ impl Job {
     /// the checkpoint cannot be written; results of [`Share::WHOLE`] that the program has are
     /// valid.
     pub fn finish(self) -> Result<(), JobError> {
-        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        match (state.error, state.mode) {
-            (Some(JobError::Stopped), Mode::Part(part)) => {
-                part.finish().and(Err(JobError::Stopped))
-            }
-            (Some(error), _) => Err(error),
-            (None, Mode::Here | Mode::Plan(..)) => Ok(()),
-            (None, Mode::Part(part)) => part.finish(),
-            (None, Mode::Merge(merging)) => merging.finish(),
-        }
+        let State { error, mode, .. } = self.end();
+        let stopped = matches!(error, None | Some(JobError::Stopped));
+        let written = match mode {
+            Mode::Part(part) if stopped => part.file.write(),
+            Mode::Merge(merging) if error.is_none() => merging.finish(),
+            _ => Ok(()),
+        };
+        written.and(error.map_or(Ok(()), Err))
+    }
+
+    fn end(self) -> State {
+        self.state.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The flag that ends this job early.
@@ -219,9 +217,10 @@ impl Job {
             }
             Mode::Part(part) => part.collect(work, self.incomplete),
             Mode::Merge(merging) => merging.collect(work),
-            Mode::Plan(each, works) => {
-                measure(*each, work).map(|planned| works.push(planned)).map(|()| None)
-            }
+            Mode::Plan(each, works) => measure(*each, work).map(|planned| {
+                works.push(planned);
+                None
+            }),
         };
         if self.incomplete && self.stop.is_asked() {
             *error = Some(JobError::Stopped);
@@ -244,17 +243,15 @@ const THREADS_EACH: usize = 4;
 /// # Errors
 /// [`JobError::Argument`] for no thread or more than 1024, or if work has begun already.
 pub fn limit_threads(threads: u64) -> Result<(), JobError> {
-    let refused =
-        |why: String| JobError::Argument(format!("cannot compute with {threads} threads: {why}"));
-    if threads == 0 {
-        return Err(refused("at least one is needed".into()));
-    }
-    if threads > MAX_THREADS {
-        return Err(refused(format!("{MAX_THREADS} are the most")));
-    }
     let most = THREADS_EACH * available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(most.min(threads as usize));
-    pool.build_global().map_err(|error| refused(error.to_string()))
+    let limited = match threads {
+        0 => Err("at least one is needed".into()),
+        1..=MAX_THREADS => pool.build_global().map_err(|error| error.to_string()),
+        _ => Err(format!("{MAX_THREADS} are the most")),
+    };
+    limited
+        .map_err(|why| JobError::Argument(format!("cannot compute with {threads} threads: {why}")))
 }
 
 /// A piece of work before it is computed.
@@ -281,7 +278,7 @@ impl Planned {
 }
 
 /// Measures groups of a piece of work for the duration `each`, at least one; drops their results.
-pub fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, JobError> {
+fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, JobError> {
     let (groups, threads) = (work.groups(), rayon::current_num_threads() as u64);
     let (mut tree, start) = (MergeTree::new(merge), Instant::now());
     let done = work.grow(&mut tree, 0..groups, &mut |_, _| start.elapsed() < each);

@@ -15,8 +15,8 @@ impl Lock {
     /// another process has it. On file systems without locks everybody gets one: two processes with
     /// the same part write the same bits, so that only time is lost.
     pub fn take(file: &PathBuf) -> io::Result<Result<Self, String>> {
-        let options = fs::OpenOptions::new().read(true).write(true).create(true).clone();
-        let mut opened = options.open(file)?;
+        let mut opened =
+            fs::File::options().read(true).write(true).create(true).truncate(false).open(file)?;
         let is_sole = match opened.try_lock() {
             Ok(()) => true,
             Err(fs::TryLockError::Error(_)) => false,

@@ -12,19 +12,17 @@ use super::{
 };
 use crate::{Kept, checkpoint::file_error, ladder::Nodes, tree::Node};
 
-/// The nodes that were merged before, in the file `merged.bin`.
-pub struct Known(PartFile);
-
-impl Known {
-    pub fn open(folder: &Path, program: &Program) -> Result<Self, JobError> {
-        Ok(Self(PartFile::open(folder.join("merged.bin"), program, None)?))
+/// The file `merged.bin` with the nodes that were merged before.
+impl PartFile {
+    pub fn merged(folder: &Path, program: &Program) -> Result<Self, JobError> {
+        Self::open(folder.join("merged.bin"), program, None)
     }
 
     /// The merged nodes of a piece of work, from the first group on: all of them, or fewer if there
     /// are more paths now.
     pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
-        let path = self.0.kept.file();
-        let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
+        let path = self.kept.file();
+        let Some(entry) = self.works.get(work.name) else { return Ok(Vec::new()) };
         work.check(path, &entry.header)?;
         if entry.header.paths > work.paths {
             return Err(work.other_paths(path, &entry.header));
@@ -37,7 +35,7 @@ impl Known {
     /// Whether the groups of a part are no longer needed, where those before `known` are merged:
     /// they are merged, maybe in a study of fewer paths that was merged and extended since.
     pub fn has<T>(&self, work: &Work<'_, T>, part: &Header, known: u64) -> bool {
-        let merged = self.0.works.get(work.name).map_or(0, |entry| entry.header.paths);
+        let merged = self.works.get(work.name).map_or(0, |entry| entry.header.paths);
         part.groups.end <= known || (part.paths < work.paths && part.paths <= merged)
     }
 }
@@ -47,8 +45,8 @@ impl Known {
 /// # Errors
 /// [`JobError`] if the file cannot be read, is damaged or is of another program.
 pub fn merged_paths(folder: &Path, program: &Program) -> Result<BTreeMap<String, u64>, JobError> {
-    let works = Known::open(folder, program)?.0.works;
-    Ok(works.into_iter().map(|(name, entry)| (name, entry.header.paths)).collect())
+    let works = PartFile::merged(folder, program)?.works.into_iter();
+    Ok(works.map(|(name, entry)| (name, entry.header.paths)).collect())
 }
 
 /// The groups that a part has of a piece of work. The sums stay in its file.
@@ -64,13 +62,13 @@ pub struct Merging {
     /// Largest number of parts that a file says.
     of: u64,
     program: Program,
-    known: Known,
+    known: PartFile,
     missing: BTreeSet<u64>,
 }
 
 impl Merging {
     pub fn open(folder: &Path, program: &Program) -> Result<Self, JobError> {
-        let known = Known::open(folder, program)?;
+        let known = PartFile::merged(folder, program)?;
         let (mut works, mut of) = (BTreeMap::<String, Vec<_>>::new(), 0);
         for entry in fs::read_dir(folder).map_err(file_error("read", folder))? {
             let path = entry.map_err(file_error("read", folder))?.path();
@@ -86,17 +84,18 @@ impl Merging {
                 works.entry(name).or_default().push(place);
             }
         }
-        if of == 0 && known.0.works.is_empty() {
-            let folder = folder.display();
-            return Err(JobError::Refused(format!("there are no parts in {folder}")));
+        if of == 0 && known.works.is_empty() {
+            let text = format!("there are no parts in {}", folder.display());
+            return Err(JobError::Refused(text));
         }
         Ok(Self { works, of, program: program.clone(), known, missing: BTreeSet::new() })
     }
 
     pub fn finish(self) -> Result<(), JobError> {
-        match self.missing.is_empty() {
-            true => self.known.0.write(),
-            false => Err(JobError::Missing { parts: self.missing.into_iter().collect() }),
+        if self.missing.is_empty() {
+            self.known.write()
+        } else {
+            Err(JobError::Missing { parts: self.missing.into_iter().collect() })
         }
     }
 
@@ -108,8 +107,8 @@ impl Merging {
         if known < work.groups() {
             let mut places = self.works.remove(work.name).unwrap_or_default();
             places.retain(|place| !self.known.has(work, &place.header, known));
-            places.sort_by_key(|Place { header, path, .. }| {
-                (header.groups.start, header.groups.end, path.clone())
+            places.sort_by_key(|Place { header: Header { groups, .. }, path, .. }| {
+                (groups.start, groups.end, path.clone())
             });
             if !self.are_complete(work, known, &places)? {
                 return Ok(None);
@@ -117,17 +116,17 @@ impl Merging {
             for Place { path, header, .. } in places {
                 let file = PartFile::open(path.clone(), &self.program, None)?;
                 let entry = file.works.get(work.name).filter(|entry| entry.header == header);
-                let entry = entry.ok_or_else(|| {
+                let replaced = || {
                     let file = path.display();
-                    JobError::Refused(format!(
-                        "{file} was replaced while it was merged: merge again"
-                    ))
-                })?;
+                    let text = format!("{file} was replaced while it was merged: merge again");
+                    JobError::Refused(text)
+                };
+                let entry = entry.ok_or_else(replaced)?;
                 tree.extend(work.nodes(&path, entry)?);
             }
         }
         let (header, nodes) = (work.header(0..work.groups(), work.groups()), tree.nodes);
-        self.known.0.works.insert(work.name.to_owned(), work.entry(header, &nodes)?);
+        self.known.works.insert(work.name.to_owned(), work.entry(header, &nodes)?);
         Ok(Some(nodes))
     }
 
@@ -146,9 +145,10 @@ impl Merging {
             work.check(path, header)?;
             if header.paths != work.paths {
                 let (other, lost) = (work.other_paths(path, header), self.lost(work.name));
-                return Err(match header.paths < work.paths {
-                    true => JobError::Refused(format!("{other}. Or it was extended: {lost}")),
-                    false => other,
+                return Err(if header.paths < work.paths {
+                    JobError::Refused(format!("{other}. Or it was extended: {lost}"))
+                } else {
+                    other
                 });
             }
             if part.of != of {
@@ -174,9 +174,9 @@ impl Merging {
         }
         // Those parts that would have had groups, and are not complete.
         let groups = known..work.groups();
-        let others = (1..=of).filter(|number| !complete.contains(number));
-        let (some, none): (Vec<u64>, Vec<u64>) =
-            others.partition(|&number| !Share { number, of }.range(&groups).is_empty());
+        let (some, none): (Vec<u64>, Vec<u64>) = (1..=of)
+            .filter(|number| !complete.contains(number))
+            .partition(|&number| !Share { number, of }.range(&groups).is_empty());
         let parts = if some.is_empty() { none } else { some };
         if parts.is_empty() {
             return Err(self.lost(work.name));
@@ -190,7 +190,7 @@ impl Merging {
         JobError::Refused(format!(
             "{} lacks paths of {work} that were merged before: put it back, or delete part-*.bin \
              and run all parts again",
-            self.known.0.kept.file().display()
+            self.known.kept.file().display()
         ))
     }
 }

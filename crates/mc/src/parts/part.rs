@@ -2,21 +2,20 @@
 
 use std::{
     fs, io,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use super::{
     JobError, Program, Share,
     lock::Lock,
-    merging::Known,
     work::{Header, PartFile, Work, differs},
 };
 use crate::{
     Kept,
     checkpoint::file_error,
-    driver::GROUP_PATHS,
     files::tidy,
-    ladder::{Nodes, Sum},
+    ladder::{Nodes, Sum, driver::GROUP_PATHS},
     tree::{MergeTree, Node},
 };
 
@@ -30,8 +29,10 @@ pub const UNFINISHED: &str = "unfinished-";
 
 /// Files with unfinished work that is not of groups.
 fn unfinished(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    let files = fs::read_dir(folder).into_iter().flatten().flatten();
-    files
+    fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
         .filter(|file| file.file_name().to_string_lossy().starts_with(UNFINISHED))
         .map(|file| file.path())
 }
@@ -59,15 +60,15 @@ pub struct Part {
     pub file: PartFile,
     /// Whether the file has work of an earlier run.
     pub resumes: bool,
-    known: Known,
+    /// The nodes that were merged before.
+    known: PartFile,
     _lock: Lock,
 }
 
 impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
-        let lock = Lock::take(&lock).map_err(file_error("write", &lock))?;
-        let lock = lock.map_err(|holder| {
+        let lock = Lock::take(&lock).map_err(file_error("write", &lock))?.map_err(|holder| {
             JobError::Refused(format!(
                 "{share} in {} is being computed by {holder}; wait for its end, or stop it",
                 folder.display()
@@ -79,7 +80,7 @@ impl Part {
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
-        let known = Known::open(folder, program)?;
+        let known = PartFile::merged(folder, program)?;
         let resumes = !file.works.is_empty() || unfinished(folder).next().is_some();
         Ok(Self { share, file, resumes, known, _lock: lock })
     }
@@ -89,10 +90,6 @@ impl Part {
         self.share == Share::WHOLE
     }
 
-    pub fn finish(self) -> Result<(), JobError> {
-        self.file.write()
-    }
-
     /// Computes this part of a piece of work. Returns the nodes of all groups if they were merged
     /// before, or if this part is the whole; those that are done if it is stopped and `incomplete`.
     pub fn collect<T: Kept>(
@@ -100,21 +97,21 @@ impl Part {
         work: &Work<'_, T>,
         incomplete: bool,
     ) -> Result<Option<Nodes<T>>, JobError> {
-        let is_whole = self.share == Share::WHOLE;
+        let is_whole = self.is_whole();
         let mut nodes = self.known.nodes(work)?;
         let (first, mut tree) = (nodes.last().map_or(0, Node::end), work.tree());
         let groups = self.share.range(&(first..work.groups()));
         let mut header = work.header(groups.clone(), groups.start);
-        header.done = self.resume(work, first, &header, &mut tree)?;
+        header.done = self.resume(work, first, &groups, &mut tree)?;
         // Reports the steps of groups that need not be computed.
-        let before = first + header.done - header.groups.start;
-        work.ladder.tell(before * GROUP_PATHS * work.ladder.steps_per_path());
+        let before = first + header.done - groups.start;
+        (work.ladder.progress)(before * GROUP_PATHS * work.ladder.steps_per_path());
         // What cannot be read back is known before the computing.
         work.entry(header.clone(), &[Node::leaf(0, work.ladder.nothing(work.new))])?;
         let mut kept = Ok(());
-        let rest = header.done..header.groups.end;
+        let rest = header.done..groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
-            if self.file.kept.is_due() && kept.is_ok() {
+            if self.file.kept.is_due() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
                 if kept.is_ok() {
                     // A full disk may have room again at the next checkpoint; `finish` tells.
@@ -140,10 +137,10 @@ impl Part {
         &self,
         work: &Work<'_, T>,
         known: u64,
-        header: &Header,
+        groups: &Range<u64>,
         tree: &mut MergeTree<Sum<T>>,
     ) -> Result<u64, JobError> {
-        let (path, groups) = (self.file.kept.file(), &header.groups);
+        let path = self.file.kept.file();
         let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
         let found = &entry.header;
         work.check(path, found)?;

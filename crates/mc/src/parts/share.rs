@@ -20,13 +20,11 @@ impl Share {
     /// # Errors
     /// [`JobError::Argument`] unless 1 ≤ `number` ≤ `of`.
     pub fn new(number: u64, of: u64) -> Result<Self, JobError> {
-        if (1..=of).contains(&number) {
-            Ok(Self { number, of })
-        } else {
-            Err(JobError::Argument(format!(
-                "there is no part {number} of {of}: parts are numbered from 1"
-            )))
-        }
+        let exists = (1..=of).contains(&number);
+        exists.then_some(Self { number, of }).ok_or_else(|| {
+            let why = format!("there is no part {number} of {of}: parts are numbered from 1");
+            JobError::Argument(why)
+        })
     }
 
     /// Items of a range that this part has: ⌊(k − 1)L/n⌋ to ⌊kL/n⌋ of L items. The parts cover all,
@@ -52,12 +50,11 @@ impl fmt::Display for Share {
 
 /// Numbers as an array specification of Slurm: "1-3,7".
 pub fn array(numbers: &[u64]) -> String {
-    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
-    let words = runs.map(|run| match run {
-        [one] => one.to_string(),
-        run => format!("{}-{}", run[0], run[run.len() - 1]),
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        run => run[0].to_string(),
     });
-    words.collect::<Vec<_>>().join(",")
+    runs.collect::<Vec<_>>().join(",")
 }
 
 /// Reason why a job did not come to its end. No such error loses what was in its folder.

@@ -16,8 +16,11 @@ use super::{JobError, Share, Stop};
 use crate::{
     Kept, Ladder,
     checkpoint::{Checkpoint, Program, damaged, foreign},
-    driver::{GROUP_PATHS, Tally},
-    ladder::{After, Nodes, Sum, merge},
+    ladder::{
+        After, Nodes, Sum,
+        driver::{GROUP_PATHS, Tally},
+        merge,
+    },
     tree::{MergeTree, Node},
 };
 
@@ -60,24 +63,23 @@ impl<T: Kept> Work<'_, T> {
     pub fn entry(&self, header: Header, nodes: &[Node<Sum<T>>]) -> Result<Entry, JobError> {
         let checked = |node| {
             let bytes = packed(node, Vec::new())?;
-            match packed(&self.unpacked(&bytes)?, Same(&bytes))?.0 {
-                [] => Ok(bytes),
-                _ => Err(postcard::Error::SerializeBufferFull),
-            }
+            let rest = packed(&self.unpacked(&bytes)?, Same(&bytes))?.0;
+            if rest.is_empty() { Ok(bytes) } else { Err(postcard::Error::SerializeBufferFull) }
         };
-        let nodes = nodes.iter().map(checked).collect::<postcard::Result<_>>();
-        let nodes = nodes.map_err(|error| {
-            let why = match error {
-                postcard::Error::SerializeBufferFull => "they come back as others".into(),
-                error => error.to_string(),
-            };
-            JobError::Refused(format!(
-                "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
-                 Deserialize for all of their fields",
-                self.name,
-            ))
-        })?;
-        Ok(Entry { header, nodes })
+        match nodes.iter().map(checked).collect() {
+            Ok(nodes) => Ok(Entry { header, nodes }),
+            Err(error) => {
+                let why = match error {
+                    postcard::Error::SerializeBufferFull => "they come back as others".into(),
+                    error => error.to_string(),
+                };
+                Err(JobError::Refused(format!(
+                    "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
+                     Deserialize for all of their fields",
+                    self.name,
+                )))
+            }
+        }
     }
 
     /// Nodes of a file, which must be the tree's nodes of the groups that are done.
@@ -86,15 +88,16 @@ impl<T: Kept> Work<'_, T> {
         path: &Path,
         Entry { header, nodes }: &Entry,
     ) -> Result<Nodes<T>, JobError> {
-        let nodes = nodes.iter().map(|bytes| self.unpacked(bytes));
+        let unpacked = nodes.iter().map(|bytes| self.unpacked(bytes));
         let nodes: Nodes<T> =
-            nodes.collect::<postcard::Result<_>>().map_err(|error| damaged(path, error))?;
+            unpacked.collect::<Result<_, _>>().map_err(|error| damaged(path, error))?;
         let next = nodes.iter().try_fold(header.groups.start, |next, node| {
             (node.first == next && node.level < 64).then(|| node.end())
         });
-        match next == Some(header.done) {
-            true => Ok(nodes),
-            false => Err(damaged(path, format!("{} has groups twice or not at all", self.name))),
+        if next == Some(header.done) {
+            Ok(nodes)
+        } else {
+            Err(damaged(path, format!("{} has groups twice or not at all", self.name)))
         }
     }
 
@@ -117,9 +120,11 @@ impl<T: Kept> Work<'_, T> {
 
     /// Refuses a file of another study; the number of paths does not count.
     pub fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
-        match &found.study == self.study() {
-            true => Ok(()),
-            false => Err(differs(path, self.name, "the fingerprint", &found.study, self.study())),
+        let (found, here) = (&found.study, self.study());
+        if found == here {
+            Ok(())
+        } else {
+            Err(differs(path, self.name, "the fingerprint", found, here))
         }
     }
 

@@ -143,22 +143,19 @@ impl<'a> Simulation<'a> {
         )])?;
         let (Setup { problem, scheme }, count) =
             (&self.setup, paths.end.saturating_sub(paths.start));
-        let family = (key, Purpose::Paths);
-        let ladder = self.setup.ladder(steps, 0, self.truncation, family, count)?;
-        let ladder = ladder.describing(count as usize).with_start().telling(&self.told);
-        let ladder = match &self.noise {
-            Some(source) => ladder.with_noise(source),
-            None => ladder,
-        };
-        let (names, tau) = (self.names()?, ladder.tau(0));
+        let ladder = self.setup.ladder(steps, 0, self.truncation, (key, Purpose::Paths), count)?;
+        let mut ladder = ladder.describing(count as usize).with_start().telling(&self.told);
+        if let Some(source) = &self.noise {
+            ladder = ladder.with_noise(source);
+        }
+        let (empty, tau) = (self.columns()?, ladder.tau(0));
         self.demand(steps, count)?;
         let decays = self.decays(steps, tau)?;
-        // Where the values of laws begin among the columns.
         let components = problem.y0.len();
-        let laws = 1 + components + self.observables.len();
         let none = || {
-            let columns = names.iter().map(|_| Vec::with_capacity(decays.len()));
-            columns.collect::<Vec<Vec<f64>>>()
+            let mut columns = empty.clone();
+            columns.iter_mut().for_each(|column| column.values.reserve_exact(decays.len()));
+            columns
         };
         let save = |view: &View<'_>, of_path: &mut Columns| {
             let Some(decays) = decays.get(&view.time) else { return };
@@ -170,15 +167,19 @@ impl<'a> Simulation<'a> {
                 let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
                 let observed = observed.iter().map(|values| values[p]);
                 let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
-                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
-                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
-                for ((columns, conformal), decay) in of_laws.zip(decays) {
+                let (plain, of_laws) = columns.split_at_mut(1 + components + observed.len());
+                plain.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.values.push(x));
+                let of_laws = of_laws.as_chunks_mut().0.iter_mut().zip(&problem.laws);
+                for (([function, defect], conformal), decay) in of_laws.zip(decays) {
                     let value = (conformal.value)(&y);
-                    let initial = columns[0].first().copied().unwrap_or(value);
-                    let law = decay * initial;
-                    let relative = (value - law) / law.abs();
-                    columns[0].push(value);
-                    columns[1].push(if initial == 0.0 { value } else { relative });
+                    function.values.push(value);
+                    let initial = function.values[0];
+                    let exact = decay * initial;
+                    let relative = (value - exact) / exact.abs();
+                    defect.values.push(if initial == 0.0 { value } else { relative });
+                    if let Role::Defect { law, .. } = &mut defect.role {
+                        law.push(exact);
+                    }
                 }
             }
         };
@@ -186,19 +187,8 @@ impl<'a> Simulation<'a> {
         let measured = ladder.run_until(&self.stop, paths.start, count, new);
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
-            let values = of_path.remove(&path).unwrap_or_else(none);
-            let end = values[0].last().map_or(0.0, |t| *t);
-            let of_law = |k: usize| {
-                let (of, function) = (names[laws + 2 * k].clone(), &values[laws + 2 * k]);
-                let law = decays.values().zip(function).map(|(decays, _)| decays[k] * function[0]);
-                [Role::Conserved, Role::Defect { of, law: law.collect() }]
-            };
-            let mut roles = vec![Role::Time];
-            roles.resize(1 + components, Role::Component);
-            roles.resize(laws, Role::Observable);
-            roles.extend((0..problem.laws.len()).flat_map(of_law));
-            let columns = names.iter().cloned().zip(roles).zip(values);
-            let columns = columns.map(|((name, role), values)| Column { name, role, values });
+            let columns = of_path.remove(&path).unwrap_or_else(none);
+            let end = columns[0].values.last().map_or(0.0, |t| *t);
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             let halted = failure.map(|&PathFailure { step, cause, .. }| {
                 format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
@@ -212,7 +202,7 @@ impl<'a> Simulation<'a> {
                 tau,
                 noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
                 halted: halted.or(stopped),
-                columns: columns.collect(),
+                columns,
             }
         });
         Ok(series.collect())
@@ -224,30 +214,35 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// [`RunError::Memory`], or [`RunError::Setting`] if two columns have the same name.
     pub fn demand(&self, steps: u64, paths: u64) -> Result<(), RunError> {
-        let (columns, times) = (self.names()?.len(), steps / self.every.max(1) + 1);
+        let (columns, times) = (self.columns()?.len(), steps / self.every.max(1) + 1);
         let what = format!("tables of {paths} paths, {columns} columns and {times} times");
         let numbers = (columns + self.setup.problem.laws.len()) as f64 * times as f64;
         Ok(demand(what, 16.0 * numbers * (paths + 1) as f64)?)
     }
 
-    /// The names of the columns.
-    fn names(&self) -> Result<Vec<String>, RunError> {
-        let Setup { problem, .. } = &self.setup;
-        let (components, named) = (problem.y0.len(), self.components.len());
-        let all = components == named;
+    /// The columns, without values.
+    fn columns(&self) -> Result<Vec<Column>, RunError> {
+        let problem = &self.setup.problem;
+        let named = self.components.len();
+        let all = named == problem.y0.len();
         RunError::unmet([(all, "number of names", "that of components", named as f64)])?;
-        let mut names = [&["t".to_owned()], &self.components[..]].concat();
-        names.extend(self.observables.iter().map(|observable| observable.name().into()));
+        let column = |name: &str, role| Column { name: name.into(), role, values: Vec::new() };
+        let mut columns = vec![column("t", Role::Time)];
+        columns.extend(self.components.iter().map(|name| column(name, Role::Component)));
+        columns.extend(self.observables.iter().map(|phi| column(phi.name(), Role::Observable)));
         for (index, ConformalLaw { name, .. }) in problem.laws.iter().enumerate() {
             let same = |among: &[ConformalLaw]| among.iter().filter(|i| i.name == *name).count();
-            let name = match same(&problem.laws) {
+            let of = match same(&problem.laws) {
                 1 => name.clone(),
                 _ => format!("{name}{}", 1 + same(&problem.laws[..index])),
             };
-            names.extend([name.clone(), format!("{name} defect")]);
+            columns.push(column(&of, Role::Conserved));
+            let defect = format!("{of} defect");
+            columns.push(column(&defect, Role::Defect { of, law: Vec::new() }));
         }
+        let names: Vec<&String> = columns.iter().map(|column| &column.name).collect();
         RunError::twice("columns", &names)?;
-        Ok(names)
+        Ok(columns)
     }
 
     /// Factor of each law from 0 to time 0 and to the end of every saved step, by the number of
@@ -276,7 +271,7 @@ impl<'a> Simulation<'a> {
 }
 
 /// The columns of every path.
-type Columns = BTreeMap<u64, Vec<Vec<f64>>>;
+type Columns = BTreeMap<u64, Vec<Column>>;
 
 /// The saved columns, and the function that adds a row of a block to those of its paths.
 struct PathColumns<F> {

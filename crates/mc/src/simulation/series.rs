@@ -71,8 +71,7 @@ pub enum Role {
 impl TimeSeries {
     /// The values of the column with this name, if there is one.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        let column = self.columns.iter().find(|column| column.name == name)?;
-        Some(&column.values)
+        self.columns.iter().find(|column| column.name == name).map(|column| &column.values[..])
     }
 
     /// The saved times.
@@ -91,8 +90,8 @@ impl TimeSeries {
 pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> {
     let Some(first) = series.first() else { return Ok(()) };
     let names = |series: &TimeSeries| {
-        let names = series.columns.iter().map(|column| quoted(&column.name));
-        names.collect::<Vec<_>>().join(",")
+        let names: Vec<_> = series.columns.iter().map(|column| quoted(&column.name)).collect();
+        names.join(",")
     };
     let header = names(first);
     writeln!(out, "scheme,path,{header}")?;
@@ -102,9 +101,8 @@ pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> 
             let message = format!("all paths must have the columns {header}, got {found}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let path = one.noise.path;
         for row in 0..one.times().len() {
-            write!(out, "{},{path}", quoted(&one.scheme))?;
+            write!(out, "{},{}", quoted(&one.scheme), one.noise.path)?;
             for column in &one.columns {
                 write!(out, ",{:?}", column.values[row])?;
             }

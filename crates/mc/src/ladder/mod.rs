@@ -1,8 +1,11 @@
 //! Schemes on a dyadic ladder of steps.
 
+mod device;
+pub mod driver;
+
 use std::{
     ops::Range,
-    sync::{Arc, OnceLock},
+    sync::{Arc, Mutex, OnceLock},
 };
 
 use noise::{Purpose, StepNoise, StreamKey, Truncation};
@@ -11,12 +14,15 @@ use schemes::{About, StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
-    device::Ahead,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
+    LadderError, PathFailure, Problem, Run, Setup, demand,
     parallel::grow,
     parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
+};
+use device::Ahead;
+use driver::{
+    Batch, Failed, GROUP_BLOCKS, GROUP_PATHS, NextNoise, NoiseSource, StepTable, Tally, drawn,
+    step_table,
 };
 
 /// The state of all runs on one block at the end of a coarsest step, a time of all levels.
@@ -112,12 +118,27 @@ pub trait TimeChange: Send + Sync {
 
 /// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
 pub struct Ladder<'a> {
-    driver: Driver<'a>,
+    problem: Problem<'a>,
+    /// Function from the number of a run and of the first path of a block to its states at time 0.
+    start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
+    /// Whether statistics see the states at time 0.
+    from_start: bool,
+    finest_steps: u64,
+    levels: usize,
+    key: StreamKey,
+    noise: NoiseSource<'a>,
+    /// Zero increments of all noises, with the zero areas that schemes read.
+    no_noise: StepNoise,
+    runs: Vec<Run<'a>>,
+    batches: Vec<Batch>,
+    time_change: Option<&'a dyn TimeChange>,
+    described_failures: usize,
+    steps: StepTable,
     /// The paths on a device, if there is one for them.
     ahead: Option<Ahead<'a>>,
     /// Bytes of stack for a group.
     stack: usize,
-    progress: Box<dyn Fn(u64) + Sync + 'a>,
+    pub(crate) progress: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
 /// The sums of some paths.
@@ -173,8 +194,7 @@ impl<'a> Ladder<'a> {
         key: StreamKey,
         runs: Vec<Run<'a>>,
     ) -> Result<Self, LadderError> {
-        let family = (key, Purpose::Paths);
-        Self::of(problem, finest_steps, levels, truncation, family, runs)
+        Self::of(problem, finest_steps, levels, truncation, (key, Purpose::Paths), runs)
     }
 
     /// A ladder as by [`new`](Self::new), with another family of paths of the experiment.
@@ -204,13 +224,11 @@ impl<'a> Ladder<'a> {
         let none = StepNoise::none(problem.noises, with_areas);
         let with_space_time = reads(|about| about.reads_space_time);
         let same = problem.clone();
-        let mut driver = Driver {
-            dampings: problem.dampings().collect(),
-            noises: problem.noises,
-            dimension: problem.y0.len(),
+        let mut ladder = Self {
+            problem: problem.clone(),
             start: Box::new(move |_, first| same.start(key, first)),
             from_start: false,
-            t_end: problem.t_end,
+
             finest_steps,
             levels,
             key,
@@ -220,22 +238,32 @@ impl<'a> Ladder<'a> {
             batches: Vec::new(),
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
-            steps: StepTable::new(finest_steps, levels),
+            steps: step_table(finest_steps, levels),
+            ahead: None,
+            stack: runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0),
+            progress: Box::new(|_| ()),
         };
         for (number, &Run { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
-            let tau = driver.tau(level);
+            let tau = ladder.tau(level);
             let truncation =
                 if scheme.about().clips_increments { truncation } else { Truncation::none() };
-            let bounds =
-                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
-            Batch::add(&mut driver.batches, level, swapped, bounds, number);
+            let (bound, area_bound) = (truncation.bound(tau)?, truncation.area_bound(tau)?);
+            let same = |batch: &&mut Batch| {
+                (batch.level, batch.swapped, batch.bound) == (level, swapped, bound)
+            };
+            match ladder.batches.iter_mut().find(same) {
+                Some(batch) => batch.runs.push(number),
+                None => {
+                    let runs = vec![number];
+                    ladder.batches.push(Batch { level, swapped, bound, area_bound, runs });
+                }
+            }
         }
         // This order decides which failure is described first.
-        driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
-        let stack = runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0);
+        ladder.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let ahead = problem.device.filter(|device| {
             let fits = !with_areas && !runs.iter().any(|run| run.swapped);
             if !fits {
@@ -243,9 +271,9 @@ impl<'a> Ladder<'a> {
             }
             fits
         });
-        let ahead = ahead.map(Ahead::new);
-        driver.runs = runs;
-        Ok(Self { driver, ahead, stack, progress: Box::new(|_| ()) })
+        ladder.ahead = ahead.map(|device| Ahead { device, tasks: Mutex::default() });
+        ladder.runs = runs;
+        Ok(ladder)
     }
 
     /// Refuses to run `paths` paths if their states take more memory than is free.
@@ -253,10 +281,10 @@ impl<'a> Ladder<'a> {
     /// # Errors
     /// [`LadderError::Memory`].
     pub fn fitting(self, paths: u64) -> Result<Self, LadderError> {
-        let Driver { noises, levels, runs, dimension, .. } = &self.driver;
         let most = (GROUP_BLOCKS * rayon::current_num_threads()) as u64;
         let blocks = most.min(paths.div_ceil(WIDTH as u64));
-        let rows = STATES * dimension * runs.len() + noises * (levels + 3);
+        let dimension = self.problem.y0.len();
+        let rows = STATES * dimension * self.runs.len() + self.problem.noises * (self.levels + 3);
         let what = format!(
             "{} paths at a time with {dimension} components (fewer of both, or threads, take less)",
             blocks * WIDTH as u64
@@ -269,7 +297,7 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_time_change(mut self, time_change: &'a dyn TimeChange) -> Self {
         self.leave_device();
-        self.driver.time_change = Some(time_change);
+        self.time_change = Some(time_change);
         self
     }
 
@@ -277,7 +305,7 @@ impl<'a> Ladder<'a> {
     /// [`NoiseSource`](crate::NoiseSource).
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
-        self.driver.noise = Box::new(source);
+        self.noise = Box::new(source);
         self.leave_device();
         self
     }
@@ -291,18 +319,21 @@ impl<'a> Ladder<'a> {
 
     /// Multiplies the noise of each path by a factor.
     pub fn heated(mut self, factor: impl Fn(u64) -> f64 + Sync + 'a) -> Self {
-        let drawn = std::mem::replace(&mut self.driver.noise, Box::new(|_| Box::new(|_| ())));
+        let drawn = std::mem::replace(&mut self.noise, Box::new(|_| Box::new(|_| ())));
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
-            let scale =
-                |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+            let squares = factors.map(|factor| factor * factor);
             Box::new(move |noise| {
                 next(noise);
-                noise.increments.iter_mut().for_each(|row| scale(row, factors));
-                let squares = factors.map(|factor| factor * factor);
-                noise.areas.iter_mut().for_each(|row| scale(row, squares));
-                noise.space_time.iter_mut().for_each(|row| scale(row, factors));
+                let StepNoise { increments, areas, space_time, .. } = noise;
+                for (rows, factors) in
+                    [(increments, factors), (areas, squares), (space_time, factors)]
+                {
+                    for row in rows.iter_mut() {
+                        row.iter_mut().zip(factors).for_each(|(x, factor)| *x *= factor);
+                    }
+                }
             })
         })
     }
@@ -310,20 +341,20 @@ impl<'a> Ladder<'a> {
     /// Starts each run on each block at the states that `start` gives for the run and the first
     /// path.
     pub fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
-        self.driver.start = Box::new(start);
+        self.start = Box::new(start);
         self
     }
 
     /// Shows statistics also the states at time 0.
     pub fn with_start(mut self) -> Self {
-        self.driver.from_start = true;
+        self.from_start = true;
         self
     }
 
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
     #[must_use]
     pub fn describing(mut self, failures: usize) -> Self {
-        self.driver.described_failures = failures;
+        self.described_failures = failures;
         self
     }
 
@@ -334,19 +365,14 @@ impl<'a> Ladder<'a> {
         self
     }
 
-    /// Reports that `path_steps` path-steps are done.
-    pub(crate) fn tell(&self, path_steps: u64) {
-        (self.progress)(path_steps);
-    }
-
     /// The step size of a level.
     pub fn tau(&self, level: usize) -> f64 {
-        self.driver.tau(level)
+        self.problem.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
 
     /// Number of coarsest steps: the number of times at which a statistic observes each block.
     pub fn coarse_steps(&self) -> u64 {
-        self.driver.finest_steps >> self.driver.levels
+        self.finest_steps >> self.levels
     }
 
     /// Whether paths advance on the threads of the current rayon pool. In dimensions whose steps
@@ -357,7 +383,7 @@ impl<'a> Ladder<'a> {
 
     /// Number of steps of one path in all runs together. Progress is counted in these steps.
     pub fn steps_per_path(&self) -> u64 {
-        self.driver.steps_per_path()
+        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
     }
 
     /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool. The results are
@@ -387,8 +413,8 @@ impl<'a> Ladder<'a> {
             if stop.is_asked() {
                 return None;
             }
-            let all = first..first + samples;
-            let (statistic, tally) = self.group(first, all, group, &new, stop);
+            let (start, all) = (first + group * GROUP_PATHS, first..first + samples);
+            let (statistic, tally) = self.group(start, all, &new, stop);
             Some((statistic, tally.unwrap_or_else(|cut_short| cut_short)))
         };
         let mut tree = MergeTree::new(merge);
@@ -431,9 +457,8 @@ impl<'a> Ladder<'a> {
     ) -> Option<Measured<T>> {
         let study = OnceLock::new();
         let work = Work { name, paths: samples, ladder: self, study, new: &new, stop };
-        let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
-        tree.extend(nodes);
+        tree.extend(job.collect(work)?);
         Some(self.measured(tree.finish(), &new))
     }
 
@@ -463,7 +488,7 @@ impl<'a> Ladder<'a> {
     ) -> u64 {
         let all = groups.start * GROUP_PATHS..paths.min(groups.end * GROUP_PATHS);
         let compute = |group| {
-            let (statistic, tally) = self.group(0, all.clone(), group, new, stop);
+            let (statistic, tally) = self.group(group * GROUP_PATHS, all.clone(), new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
         grow(tree, groups, &compute, after)
@@ -481,59 +506,49 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), new)
     }
 
-    /// The statistic of a group of paths, counted from path number `first`, of `all` that are
-    /// wanted; `Err` with the counts if `stop` cut it short.
+    /// The statistic of the group of paths from path number `start` on, of `all` that are wanted;
+    /// `Err` with the counts if `stop` cut it short.
     fn group<T: Statistic>(
         &self,
-        first: u64,
+        start: u64,
         all: Range<u64>,
-        group: u64,
         new: &dyn Fn() -> T,
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
-        let start = first + group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(all.end - start);
-        let mut statistic = new();
-        if let Some(ahead) = &self.ahead {
-            let (reader, group) = (new(), start..start + paths);
-            let (reads, progress) = (|time| reader.reads(time), &*self.progress);
-            let mut observe = |view: &View<'_>| statistic.observe(view);
-            let shown =
-                ahead.march(&self.driver, (group, all), &reads, &mut observe, progress, stop);
-            if let Some(tally) = shown {
-                return (statistic, tally);
-            }
-        }
+        let (mut statistic, progress) = (new(), &*self.progress);
         let mut observe = |view: &View<'_>| statistic.observe(view);
-        let tally = on_stack(self.stack, || {
-            self.driver.march(start, paths, &mut observe, &*self.progress, stop)
+        let shown = self.ahead.as_ref().and_then(|ahead| {
+            let (reader, paths) = (new(), (start..start + paths, all));
+            let reads = |time| reader.reads(time);
+            ahead.march(self, paths, &reads, &mut observe, progress, stop)
         });
+        let computed = || self.march(start, paths, &mut observe, progress, stop);
+        let tally = shown.unwrap_or_else(|| on_stack(self.stack, computed));
         (statistic, tally)
     }
 
     /// The sums over no path.
     pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> Sum<T> {
-        (new(), self.driver.tally())
+        (new(), self.tally())
     }
 
     fn measured<T>(&self, sum: Option<Sum<T>>, new: &dyn Fn() -> T) -> Measured<T> {
         let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failure = |&Failed { run, path, step, cause }: &Failed| {
-            let Run { ref scheme, level, swapped } = self.driver.runs[run];
-            let (scheme, key, tau) = (scheme.about().id, self.driver.key, self.tau(level));
+            let Run { ref scheme, level, swapped } = self.runs[run];
+            let (scheme, key, tau) = (scheme.about().id, self.key, self.tau(level));
             PathFailure { path, key, scheme, swapped, tau, step, cause }
         };
-        let failures = tally.failures.iter().map(failure).collect();
-        Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
+        let Tally { failed, failures, clipped, .. } = tally;
+        Measured { statistic, failed, failures: failures.iter().map(failure).collect(), clipped }
     }
 
     /// A hash that tells this ladder and a statistic from others: of the key, the damping, and what
     /// they give in the first steps of a block, so that a long path costs no more. Names would not
     /// tell: a changed constant in a formula has the same name.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> String {
-        let Driver {
-            ref dampings, t_end, finest_steps, levels, ref runs, ref batches, key, ..
-        } = self.driver;
+        let Self { problem, finest_steps, levels, runs, batches, key, .. } = self;
         let (fixed, times) = new().fixed(self.coarse_steps());
         // One path at a time: a sum over many would hide small differences.
         let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
@@ -553,17 +568,15 @@ impl<'a> Ladder<'a> {
             stop.now();
         };
         // It is stopped, or at its end.
-        let _ = on_stack(self.stack, || {
-            self.driver.march(0, WIDTH as u64, &mut observe, &|_| (), &stop).map(|_| ())
-        });
+        _ = on_stack(self.stack, || self.march(0, WIDTH as u64, &mut observe, &|_| (), &stop));
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };
-        let time = |n: u32| t_end * f64::from(n) / 16.0;
-        let damping = dampings.iter().flat_map(|damping| {
+        let time = |n: u32| problem.t_end * f64::from(n) / 16.0;
+        let damping = problem.dampings().flat_map(|damping| {
             let at = |n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))];
             (0..16).map(move |n| at(n).map(one_nan))
         });
-        let bounds = batches.iter().map(|Batch { bounds, .. }| [bounds.increment, bounds.area]);
+        let bounds = batches.iter().map(|batch| [batch.bound, batch.area_bound]);
         let schemes = runs.iter().map(|run| (run.scheme.about().id, run.level, run.swapped));
         hash(&(
             (key.seed, key.experiment, finest_steps, levels, states),

@@ -1,7 +1,7 @@
 //! The time loop: coupled simulation of several schemes on a dyadic hierarchy of step sizes.
 //!
 //! **Unknowns.** A *run* is a scheme at a level l, with steps of 2^l finest steps. All runs of a
-//! driver see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
+//! ladder see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
 //! step of level l takes their sum, added as a balanced binary tree ([`DyadicLadder`]), which joins
 //! Lévy areas by Chen's relation. A *swapped* run is the antithetic path of Giles and Szpruch
 //! (2014): it exchanges the two halves of each step of the level above, and therefore advances by
@@ -32,84 +32,40 @@ use nonlin::{BlockStatus, are_finite};
 use real::{Block, PathMask, Row, WIDTH};
 use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
-use systems::Damping;
 
-use crate::{Cause, LadderError, Run, TimeChange, View, parts::Stop};
-
-/// The truncation bounds of increments and areas.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Bounds {
-    pub increment: f64,
-    pub area: f64,
-}
+use super::{Ladder, TimeChange, View};
+use crate::{Cause, LadderError, Run, parts::Stop};
 
 /// Runs of one level with the same noise.
 pub struct Batch {
     pub level: usize,
     /// Whether the runs exchange the two halves of each step of the level above.
     pub swapped: bool,
-    pub bounds: Bounds,
+    /// The truncation bound of increments, and the one of areas that belongs to it.
+    pub bound: f64,
+    pub area_bound: f64,
     pub runs: Vec<usize>,
 }
 
 impl Batch {
-    /// Adds run number `run` to its batch.
-    pub fn add(batches: &mut Vec<Self>, level: usize, swapped: bool, bounds: Bounds, run: usize) {
-        let same = |batch: &&mut Self| {
-            (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
-        };
-        match batches.iter_mut().find(same) {
-            Some(batch) => batch.runs.push(run),
-            None => batches.push(Self { level, swapped, bounds, runs: vec![run] }),
-        }
-    }
-
     /// Level of the steps at whose ends the runs advance.
     pub fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
     }
 }
 
-/// The input of the loop over time.
-pub struct Driver<'a> {
-    /// The damping of all components, and the friction that schemes have themselves.
-    pub dampings: Vec<&'a dyn Damping>,
-    /// Number of noises.
-    pub noises: usize,
-    /// Number of components.
-    pub dimension: usize,
-    /// Function from the number of a run and of the first path of a block to its states at time 0.
-    pub start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
-    /// Whether statistics see the states at time 0.
-    pub from_start: bool,
-    pub t_end: f64,
-    pub finest_steps: u64,
-    pub levels: usize,
-    pub key: StreamKey,
-    pub noise: NoiseSource<'a>,
-    /// Zero increments of all noises, with the zero areas that schemes read.
-    pub no_noise: StepNoise,
-    pub runs: Vec<Run<'a>>,
-    pub batches: Vec<Batch>,
-    pub time_change: Option<&'a dyn TimeChange>,
-    pub described_failures: usize,
-    pub steps: StepTable,
-}
-
 /// The steps of the levels of a ladder, found once and not for every group of paths; none where
 /// there are too many.
-pub struct StepTable(Vec<Vec<OnceLock<Step>>>);
+pub type StepTable = Vec<Vec<OnceLock<Step>>>;
 
 /// Largest number of steps in a table, of a few megabytes.
 const MAX_STEPS: u64 = 1 << 14;
 
-impl StepTable {
-    /// The table of a ladder, before any step is known.
-    pub fn new(finest_steps: u64, levels: usize) -> Self {
-        let of_level = |level| (0..finest_steps >> level).map(|_| OnceLock::new()).collect();
-        let levels = if finest_steps > MAX_STEPS { 0..0 } else { 0..levels + 1 };
-        Self(levels.map(of_level).collect())
-    }
+/// The table of a ladder, before any step is known.
+pub fn step_table(finest_steps: u64, levels: usize) -> StepTable {
+    let of_level = |level| vec![OnceLock::new(); (finest_steps >> level) as usize];
+    let levels = if finest_steps > MAX_STEPS { 0..0 } else { 0..levels + 1 };
+    levels.map(of_level).collect()
 }
 
 /// A failed path: which run failed when and why.
@@ -158,15 +114,8 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 /// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
-impl Driver<'_> {
-    pub fn tau(&self, level: usize) -> f64 {
-        self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
-    }
-
-    pub fn steps_per_path(&self) -> u64 {
-        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
-    }
-
+impl Ladder<'_> {
+    /// Counts of nothing.
     pub fn tally(&self) -> Tally {
         let (clipped, described) = (vec![0; self.levels + 1], self.described_failures);
         Tally { clipped, described, ..Tally::default() }
@@ -174,12 +123,12 @@ impl Driver<'_> {
 
     /// Step number `n` of a level.
     pub fn step(&self, level: usize, n: u64) -> Step {
-        // `Ladder::new` checks that the finest step is positive and finite.
+        // `Ladder::of` checks that the finest step is positive and finite.
         let new = || {
-            Step::new(self.dampings[0], n, self.tau(level))
+            Step::new(self.problem.damping, n, self.tau(level))
                 .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
         };
-        match self.steps.0.get(level) {
+        match self.steps.get(level) {
             Some(steps) => *steps[n as usize].get_or_init(new),
             None => new(),
         }
@@ -197,8 +146,8 @@ impl Driver<'_> {
         stop: &Stop,
     ) -> Result<Tally, Tally> {
         let mut tally = self.tally();
-        let offsets = (0..paths).step_by(WIDTH);
-        let mut blocks: Vec<Marcher<'_>> = offsets
+        let mut blocks: Vec<Marcher<'_>> = (0..paths)
+            .step_by(WIDTH)
             .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
         if self.from_start {
@@ -229,11 +178,11 @@ impl Driver<'_> {
 
 /// The noise of one block and the states of every run.
 struct Marcher<'a> {
-    driver: &'a Driver<'a>,
+    ladder: &'a Ladder<'a>,
     first_path: u64,
     live: PathMask,
     next_noise: NextNoise,
-    ladder: DyadicLadder,
+    levels: DyadicLadder,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
     truncated: StepNoise,
@@ -242,31 +191,33 @@ struct Marcher<'a> {
     /// Paths with a clipped increment so far, for each run.
     clipped: Vec<PathMask>,
     random_time: Block<1>,
-    /// Normals of the time change, if there is one.
-    time_change_noise: Option<WienerRows>,
+    /// The time change with its normals, if there is one.
+    time_change: Option<(&'a dyn TimeChange, WienerRows)>,
     /// Whether no live path moves any more: neither noise nor steps are needed.
     rests: bool,
 }
 
 impl<'a> Marcher<'a> {
-    fn new(driver: &'a Driver<'a>, first_path: u64, paths: usize) -> Self {
-        let runs = driver.runs.len();
-        let key = driver.key.beside(Purpose::TimeChange);
+    fn new(ladder: &'a Ladder<'a>, first_path: u64, paths: usize) -> Self {
+        let runs = ladder.runs.len();
+        let key = ladder.key.beside(Purpose::TimeChange);
         let start = |(number, run): (usize, &'a Run<'_>)| {
-            run.scheme.start(&(driver.start)(number, first_path))
+            run.scheme.start(&(ladder.start)(number, first_path))
         };
         let mut new = Self {
-            driver,
+            ladder,
             first_path,
             live: PathMask::first(paths),
-            next_noise: (driver.noise)(first_path),
-            ladder: DyadicLadder::new(driver.levels, &driver.no_noise),
-            truncated: driver.no_noise.clone(),
-            states: driver.runs.iter().enumerate().map(start).collect(),
+            next_noise: (ladder.noise)(first_path),
+            levels: DyadicLadder::new(ladder.levels, &ladder.no_noise),
+            truncated: ladder.no_noise.clone(),
+            states: ladder.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
-            time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
+            time_change: ladder
+                .time_change
+                .map(|change| (change, WienerRows::new(key, first_path))),
             rests: false,
         };
         new.all_rest();
@@ -294,49 +245,42 @@ impl<'a> Marcher<'a> {
         tally: &mut Tally,
         observe: &mut dyn FnMut(&View<'_>),
     ) {
-        let driver = self.driver;
-        let complete = match self.rests {
-            true => driver.levels.min(n.trailing_zeros() as usize),
-            false => self.draw(n),
-        };
+        let ladder = self.ladder;
+        let complete =
+            if self.rests { ladder.levels.min(n.trailing_zeros() as usize) } else { self.draw(n) };
         let lives = !self.live.is_empty();
         let due = |batch: &&Batch| lives && batch.due_level() <= complete;
-        for batch in driver.batches.iter().filter(due) {
+        for batch in ladder.batches.iter().filter(due) {
             let now = &steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                let before = driver.step(batch.level, now.number() - 1);
+                let before = ladder.step(batch.level, now.number() - 1);
                 self.step(batch, &before, false, tally);
             }
             self.step(batch, now, batch.swapped, tally);
         }
-        if complete == driver.levels {
+        if complete == ladder.levels {
             if lives {
                 self.drop_non_finite(n, tally);
             }
-            self.show(n >> driver.levels, observe);
+            self.show(n >> ladder.levels, observe);
             let all_rest = self.all_rest();
-            self.rests = self.live.is_empty() || driver.time_change.is_none() && all_rest;
+            self.rests = self.live.is_empty() || ladder.time_change.is_none() && all_rest;
         }
     }
 
     /// Tells every run which paths go on, and asks whether none of them moves any more.
     fn all_rest(&mut self) -> bool {
-        let mut all = true;
-        for run in &mut self.states {
-            all &= run.rests(self.live);
-        }
-        all
+        self.states.iter_mut().fold(true, |all, run| run.rests(self.live) & all)
     }
 
     /// Draws the noise of finest step number n. Returns the highest level whose step is complete.
     fn draw(&mut self, n: u64) -> usize {
-        let complete = self.ladder.push(&mut self.next_noise);
-        if let (Some(change), Some(noise)) = (self.driver.time_change, &mut self.time_change_noise)
-        {
+        let complete = self.levels.push(&mut self.next_noise);
+        if let Some((change, noise)) = &mut self.time_change {
             let mut normals = [[0.0; WIDTH]];
             noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
+            let (dw, [time]) = (&self.levels.whole(0).increments[..], &mut self.random_time.0);
             change.advance(n - 1, dw, &normals[0], time);
         }
         complete
@@ -346,12 +290,10 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
-        let StepNoise { increments, areas, space_time, .. } = match one_before {
-            true => self.ladder.first_half(level + 1),
-            false => self.ladder.whole(level),
-        };
+        let StepNoise { increments, areas, space_time, .. } =
+            if one_before { self.levels.first_half(level + 1) } else { self.levels.whole(level) };
         self.truncated.clipped.clear();
-        if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+        if clip(increments, batch.bound, &mut self.truncated.increments) > 0 {
             let StepNoise { increments: inside, clipped, .. } = &mut self.truncated;
             let (paths, count) = differing(increments, inside, self.live, clipped);
             for &run in &batch.runs {
@@ -362,7 +304,7 @@ impl<'a> Marcher<'a> {
             }
         }
         if !areas.is_empty() {
-            clip(areas, batch.bounds.area, &mut self.truncated.areas);
+            clip(areas, batch.area_bound, &mut self.truncated.areas);
         }
         self.truncated.space_time.copy_from_slice(space_time);
     }
@@ -372,24 +314,22 @@ impl<'a> Marcher<'a> {
     /// copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
-        let is_finest = batch.level == 0 && !batch.swapped && self.driver.no_noise.areas.is_empty();
-        let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
+        let is_finest = batch.level == 0 && !batch.swapped && self.ladder.no_noise.areas.is_empty();
+        let as_drawn = self.rests || is_finest && batch.bound == f64::INFINITY;
         if !as_drawn {
             self.truncate(batch, one_before, tally);
         }
         for &number in &batch.runs {
-            let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
-            let status = &mut self.statuses[number];
-            self.states[number].step(step, noise, status);
-            if !status.failed.and(self.live).is_empty() {
-                let status = *status;
-                self.drop_failed(number, step.number(), &status, tally);
+            let noise = if as_drawn { self.levels.whole(0) } else { &self.truncated };
+            self.states[number].step(step, noise, &mut self.statuses[number]);
+            if !self.statuses[number].failed.and(self.live).is_empty() {
+                self.drop_failed(number, step.number(), self.statuses[number], tally);
             }
         }
     }
 
     /// Records the paths on which a step of a run failed, and drops them from the live ones.
-    fn drop_failed(&mut self, run: usize, step: u64, status: &BlockStatus, tally: &mut Tally) {
+    fn drop_failed(&mut self, run: usize, step: u64, status: BlockStatus, tally: &mut Tally) {
         let failed = status.failed.and(self.live);
         for p in failed.paths() {
             let cause = Cause::of_residual(status.residual(p));
@@ -401,12 +341,12 @@ impl<'a> Marcher<'a> {
     /// Marks paths with a state that is not finite as failed, for schemes that do not do so
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
-        for (number, run) in self.driver.runs.iter().enumerate() {
+        for (number, run) in self.ladder.runs.iter().enumerate() {
             let state = self.states[number].state();
             if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
                 status.fail_where_not_finite(state);
-                self.drop_failed(number, (n >> run.level).saturating_sub(1), &status, tally);
+                self.drop_failed(number, (n >> run.level).saturating_sub(1), status, tally);
             }
         }
     }
@@ -473,8 +413,9 @@ pub fn drawn(
             increments.increments(root, &mut noise.increments);
             if !noise.space_time.is_empty() {
                 let key = key.beside(Purpose::SpaceTimeAreas);
-                let of_block = space_time.get_or_insert_with(|| WienerRows::new(key, first_path));
-                of_block.increments((tau / 12.0).sqrt(), &mut noise.space_time);
+                space_time
+                    .get_or_insert_with(|| WienerRows::new(key, first_path))
+                    .increments((tau / 12.0).sqrt(), &mut noise.space_time);
             }
             if let Some(areas) = &mut areas {
                 areas.areas(tau, &noise.increments, &mut noise.areas);
