@@ -66,18 +66,17 @@ pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> D
     let unclear = |orders| {
         undecided(More::Steps, format!("one step as τ → 0 shows {orders} a strong order can have"))
     };
-    let rate = match usable(rate, limit) {
-        Ok(rate) => rate,
-        Err(decision) => return decision,
+    let decide = |rate: &Rate| {
+        let Some(one_step) = one_step else { return unclear("no order that") };
+        let (lo, hi) = rate.interval(CONTRADICTION);
+        let possible: Vec<f64> = one_step.strong_orders().filter(|&order| order <= hi).collect();
+        match possible[..] {
+            [] => not_asymptotic(),
+            [order] => Decision::Order { order, shown: lo <= order },
+            _ => unclear("one of two orders that"),
+        }
     };
-    let Some(one_step) = one_step else { return unclear("no order that") };
-    let (lo, hi) = rate.interval(CONTRADICTION);
-    let possible: Vec<f64> = one_step.strong_orders().filter(|&order| order <= hi).collect();
-    match possible[..] {
-        [] => not_asymptotic(),
-        [order] => Decision::Order { order, shown: lo <= order },
-        _ => unclear("one of two orders that"),
-    }
+    usable(rate, limit).map_or_else(|none| none, decide)
 }
 
 /// Decides the weak order; `lower_share` is an upper bound of the terms of order below a given one
@@ -87,19 +86,18 @@ pub fn weak(
     lower_share: impl Fn(u32) -> Option<f64>,
     limit: Limit,
 ) -> Decision {
-    let rate = match usable(rate, limit) {
-        Ok(rate) => rate,
-        Err(decision) => return decision,
+    let decide = |rate: &Rate| {
+        let orders: Vec<u32> = (1..=4).filter(|&order| rate.covers(f64::from(order))).collect();
+        let [order] = orders[..] else { return not_asymptotic() };
+        let share = if order == 1 { 0.0 } else { lower_share(order).unwrap_or(1.0) };
+        if share <= HIDDEN {
+            return Decision::Order { order: f64::from(order), shown: order == 1 };
+        }
+        let percent = 100.0 * share;
+        let because = format!("a lower order may have {percent:.0} % of the last difference");
+        undecided(More::Paths, because)
     };
-    let orders: Vec<u32> = (1..=4).filter(|&order| rate.covers(f64::from(order))).collect();
-    let [order] = orders[..] else { return not_asymptotic() };
-    let share = if order == 1 { 0.0 } else { lower_share(order).unwrap_or(1.0) };
-    if share <= HIDDEN {
-        return Decision::Order { order: f64::from(order), shown: order == 1 };
-    }
-    let percent = 100.0 * share;
-    let because = format!("a lower order may have {percent:.0} % of the last difference");
-    undecided(More::Paths, because)
+    usable(rate, limit).map_or_else(|none| none, decide)
 }
 
 fn not_asymptotic() -> Decision {
@@ -146,14 +144,18 @@ impl fmt::Display for Order {
         if let Some(rate) = rate.as_ref().filter(|_| *decision != Decision::Kept) {
             write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
         }
-        if let Decision::Order { shown: false, .. } = decision {
-            match one_step {
-                Some(OneStep { tau, amplification: times, .. }) => {
-                    write!(f, "; shown by one step at τ = {tau:.0e} and {times} times the noise")
-                }
-                None => f.write_str("; a lower order may have a tenth of the last difference"),
-            }?;
-        }
+        match (decision, one_step) {
+            (Decision::Order { shown: false, .. }, Some(OneStep { tau, amplification, .. })) => {
+                write!(
+                    f,
+                    "; shown by one step at τ = {tau:.0e} and {amplification} times the noise"
+                )
+            }
+            (Decision::Order { shown: false, .. }, None) => {
+                write!(f, "; a lower order may have a tenth of the last difference")
+            }
+            _ => Ok(()),
+        }?;
         match limit {
             Limit::Consistent { defect } => write!(f, "; right in one step to {defect:.0e}"),
             Limit::Inconsistent { defect } => write!(f, "; wrong in one step by {defect:.0e}"),
@@ -161,11 +163,11 @@ impl fmt::Display for Order {
                 write!(f, "; at most {distance:.1e} from the reference")
             }
             Limit::Differs { distance } => write!(f, "; {distance:.1e} from the reference"),
-            Limit::Unchecked => f.write_str("; its limit was not compared"),
+            Limit::Unchecked => write!(f, "; its limit was not compared"),
         }?;
-        match failed {
-            0 => Ok(()),
-            _ => write!(f, "; {failed} paths failed and are left out"),
+        if *failed > 0 {
+            write!(f, "; {failed} paths failed and are left out")?;
         }
+        Ok(())
     }
 }
