@@ -66,17 +66,18 @@ pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> D
     let unclear = |orders| {
         undecided(More::Steps, format!("one step as τ → 0 shows {orders} a strong order can have"))
     };
-    let decide = |rate: &Rate| {
-        let Some(one_step) = one_step else { return unclear("no order that") };
-        let (lo, hi) = rate.interval(CONTRADICTION);
-        let possible: Vec<f64> = one_step.strong_orders().filter(|&order| order <= hi).collect();
-        match possible[..] {
-            [] => not_asymptotic(),
-            [order] => Decision::Order { order, shown: lo <= order },
-            _ => unclear("one of two orders that"),
-        }
+    let rate = match usable(rate, limit) {
+        Ok(rate) => rate,
+        Err(decision) => return decision,
     };
-    usable(rate, limit).map_or_else(|none| none, decide)
+    let Some(one_step) = one_step else { return unclear("no order that") };
+    let (lo, hi) = rate.interval(CONTRADICTION);
+    let possible: Vec<f64> = one_step.strong_orders().filter(|&order| order <= hi).collect();
+    match possible[..] {
+        [] => not_asymptotic(),
+        [order] => Decision::Order { order, shown: lo <= order },
+        _ => unclear("one of two orders that"),
+    }
 }
 
 /// Decides the weak order; `lower_share` is an upper bound of the terms of order below a given one
@@ -86,18 +87,18 @@ pub fn weak(
     lower_share: impl Fn(u32) -> Option<f64>,
     limit: Limit,
 ) -> Decision {
-    let decide = |rate: &Rate| {
-        let orders: Vec<u32> = (1..=4).filter(|&order| rate.covers(f64::from(order))).collect();
-        let [order] = orders[..] else { return not_asymptotic() };
-        let share = if order == 1 { 0.0 } else { lower_share(order).unwrap_or(1.0) };
-        if share <= HIDDEN {
-            return Decision::Order { order: f64::from(order), shown: order == 1 };
-        }
-        let percent = 100.0 * share;
-        let because = format!("a lower order may have {percent:.0} % of the last difference");
-        undecided(More::Paths, because)
+    let rate = match usable(rate, limit) {
+        Ok(rate) => rate,
+        Err(decision) => return decision,
     };
-    usable(rate, limit).map_or_else(|none| none, decide)
+    let orders: Vec<u32> = (1..=4).filter(|&order| rate.covers(f64::from(order))).collect();
+    let [order] = orders[..] else { return not_asymptotic() };
+    let share = if order == 1 { 0.0 } else { lower_share(order).unwrap_or(1.0) };
+    if share <= HIDDEN {
+        return Decision::Order { order: f64::from(order), shown: order == 1 };
+    }
+    let percent = 100.0 * share;
+    undecided(More::Paths, format!("a lower order may have {percent:.0} % of the last difference"))
 }
 
 fn not_asymptotic() -> Decision {

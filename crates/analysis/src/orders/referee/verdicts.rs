@@ -115,12 +115,11 @@ impl Claims {
             say(format!("weak order of E[{name}]"), self.weak.map(claim).zip(verdict), words);
         }
         for Law { law, defect, rounding } in laws {
-            let (verdict, words) = match defect <= rounding {
-                true => (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding")),
-                false => (
-                    Verdict::Refuted,
-                    format!("defect {defect:.1e}, rounding would be {rounding:.0e}"),
-                ),
+            let (verdict, words) = if defect <= rounding {
+                (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding"))
+            } else {
+                let words = format!("defect {defect:.1e}, rounding would be {rounding:.0e}");
+                (Verdict::Refuted, words)
             };
             say(format!("law {law}"), self.keeps.then(|| ("kept".into(), verdict)), words);
         }
