@@ -38,16 +38,5 @@ mod step_check;
 mod stopwatch;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
-pub use final_moments::{FinalMoments, FinalRows};
-pub use number::{aligned, number};
-pub use orders::{
-    Claims, Decision, Exact, Judged, Law, LevelNoise, Limit, More, OneStep, Order, Referee,
-    SolverStates, StepSizes, VISITS, Verdict, Verdicts, squared_distance, strong_order, weak_order,
-    wrong_limit,
-};
 pub use stats::worse;
-pub use step_check::{
-    Halved, STIFF, StepCheck, StepError, StepErrors, TURN, block_starts, checked_paths,
-    is_by_blocks, step_check,
-};
-pub use stopwatch::{Spread, Stopwatch};
+pub use {final_moments::*, number::*, orders::*, step_check::*, stopwatch::*};

@@ -160,10 +160,10 @@ impl StepCheck {
 /// run. One path where neither noise nor initial values are random.
 pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     let width = WIDTH as u64;
-    match problem.silent && problem.initial.is_none() {
-        true => 1,
-        false => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MAX_BLOCKS),
+    if problem.silent && problem.initial.is_none() {
+        return 1;
     }
+    width * (run.saturating_add(PILOT) / (SHARE * width)).clamp(1, MAX_BLOCKS)
 }
 
 /// Whether the steps of a few paths are checked by blocks of time, which begin at
@@ -198,59 +198,57 @@ pub fn step_check(
     (job, told): (&Job, &(dyn Fn(u64) + Sync)),
 ) -> Result<Option<StepCheck>, LadderError> {
     let (run, end) = (steps, setup.problem.t_end);
-    let (steps, paths) = blocks.map_or((run, paths), |_| (2 * (run / (2 * PARTS)), WIDTH as u64));
+    let (steps, paths, each) = match blocks {
+        Some(_) => (2 * (run / (2 * PARTS)), WIDTH as u64, 2),
+        None => (run, paths, 1),
+    };
     let mut short = setup.clone();
-    short.problem.t_end = if blocks.is_some() { end * (steps as f64 / run as f64) } else { end };
-    let each = if blocks.is_some() { 2 } else { 1 };
+    short.problem.t_end = end * (steps as f64 / run as f64);
     let (twice, family) = (steps.saturating_mul(2), (key, Purpose::StepCheck));
     let mut ladder = short.ladder(twice, 1, truncation, family, paths)?.telling(told);
     if let Some(starts) = blocks {
         ladder = ladder.starting(|_, _| starts.to_vec());
     }
     let initial = setup.start();
-    let center = |phi: &&dyn Observe| {
+    let centered = observables.iter().map(|&phi| {
         let value = phi.values(&initial, PathMask::first(1))[0];
-        if value.is_finite() { value } else { 0.0 }
-    };
-    let centers: Vec<f64> = observables.iter().map(center).collect();
+        (phi, if value.is_finite() { value } else { 0.0 })
+    });
+    let observables: &[Centered<'_>] = &centered.collect::<Vec<_>>();
     let new = || {
         let sums = vec![CrossMoments::new(3); each * observables.len()];
-        AtBoth { each, sums, steps, observables, centers: &centers }
+        AtBoth { each, sums, steps, observables }
     };
     let Some(measured) = ladder.run_in(job, "steps", paths, new) else { return Ok(None) };
-    let of = |((phi, &center), sums): ((&&dyn Observe, &f64), &[CrossMoments])| {
-        let mut found = errors(*phi, center, &sums[each - 1]);
+    let all = observables.iter().zip(measured.statistic.sums.chunks(each)).map(|(phi, sums)| {
+        let mut found = errors(*phi, &sums[each - 1]);
         if each > 1 {
-            let before = errors(*phi, center, &sums[0]).along_paths;
-            let growth = (found.along_paths / before).clamp(1.0, 2.0);
+            let growth = (found.along_paths / errors(*phi, &sums[0]).along_paths).clamp(1.0, 2.0);
             // t^g over PARTS blocks, with 2^g = growth.
             let grown = powf(PARTS as f64, ln(growth) / LN_2);
             found.along_paths *= if grown.is_nan() { 1.0 } else { grown };
         }
         found
-    };
-    let (steps, twice) = (run, run.saturating_mul(2));
+    });
     let drive = DriveResolution::new(&setup.problem);
-    let resolved = |steps: &u64| drive.unresolved(2 * steps).is_none();
-    let unresolved = drive
-        .unresolved(twice)
-        .map(|t| (t, (1..=MAX_DOUBLINGS).map_while(|k| steps.checked_shl(k)).find(resolved)));
-    let (last, dampings) = (end - end / steps as f64, setup.problem.dampings());
+    let unresolved = drive.unresolved(run.saturating_mul(2)).map(|t| {
+        let mut finer = (1..=MAX_DOUBLINGS).map_while(|k| run.checked_shl(k));
+        (t, finer.find(|steps| drive.unresolved(2 * steps).is_none()))
+    });
+    let (tau, dampings) = (end / run as f64, setup.problem.dampings());
     Ok(Some(StepCheck {
-        damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),
-        turn: fastest * end / steps as f64,
+        damping: dampings.map(|one| one.integral(end - tau, end).abs()).fold(0.0, f64::max),
+        turn: fastest * end / run as f64,
         unresolved,
         blocks: blocks.map(|_| short.problem.t_end),
         paths: paths - measured.failed,
         failed: measured.failed,
-        observables: observables
-            .iter()
-            .zip(&centers)
-            .zip(measured.statistic.sums.chunks(each))
-            .map(of)
-            .collect(),
+        observables: all.collect(),
     }))
 }
+
+/// An observable φ with a value c near its own.
+type Centered<'a> = (&'a dyn Observe, f64);
 
 /// Moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b² for each observable φ, at the end, and of
 /// blocks in the middle before.
@@ -259,8 +257,7 @@ struct AtBoth<'a> {
     each: usize,
     sums: Vec<CrossMoments>,
     steps: u64,
-    observables: &'a [&'a dyn Observe],
-    centers: &'a [f64],
+    observables: &'a [Centered<'a>],
 }
 
 impl Statistic for AtBoth<'_> {
@@ -270,7 +267,7 @@ impl Statistic for AtBoth<'_> {
             return;
         }
         let sums = self.sums.iter_mut().skip(if is_end { each - 1 } else { 0 }).step_by(each);
-        for ((phi, center), sums) in self.observables.iter().zip(self.centers).zip(sums) {
+        for ((phi, center), sums) in self.observables.iter().zip(sums) {
             let values = [0, 1].map(|run| phi.values(view.state(run), view.live));
             for p in view.live.paths() {
                 let [a, b] = values.map(|row| row[p] - center);
@@ -297,8 +294,8 @@ impl Kept for AtBoth<'_> {
 }
 
 /// The step errors of an observable from its moments.
-fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments) -> StepErrors {
-    let (count, mean) = (moments.count() as f64, |k| moments.mean(k));
+fn errors((phi, center): Centered<'_>, moments: &CrossMoments) -> StepErrors {
+    let (count, a, b) = (moments.count() as f64, moments.mean(0), moments.mean(1));
     // Of one path there is no variance, and without noise none is needed.
     let covariance = |k, l| match moments.count() {
         0 => f64::NAN,
@@ -309,7 +306,6 @@ fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments) -> StepErrors 
         let terms = (0..9).map(|k| row[k / 3] * row[k % 3] * covariance(k / 3, k % 3));
         terms.sum::<f64>().max(0.0).sqrt()
     };
-    let (a, b) = (mean(0), mean(1));
     // What is left of a difference of squares by rounding.
     let root = ROUNDING[1] * a.abs();
     let above = |x: f64| if x <= root { 0.0 } else { x };
@@ -320,15 +316,15 @@ fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments) -> StepErrors 
         rounding: ROUNDING[0] * (center.abs() + a.abs()),
         of_error: 1.0 / (1.0 - exp2(-phi.weak_order())),
     };
-    let deviations = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
-    let sum = deviations[0] + deviations[1];
+    let [first, second] = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
+    let sum = first + second;
     let deviation = Halved {
-        value: deviations[0],
-        difference: deviations[0] - deviations[1],
+        value: first,
+        difference: first - second,
         // Of the variance, by its linear part in the three means.
         standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
         rounding: mean.rounding + root,
-        of_error: mean.of_error,
+        ..mean
     };
     let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
     StepErrors { observable: phi.name().into(), mean, deviation, along_paths }

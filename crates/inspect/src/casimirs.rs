@@ -23,8 +23,8 @@ pub struct FoundCasimir {
 impl FoundCasimir {
     fn new(form: Form, sight: &Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
-        let at = sight.states.iter().zip(matrices);
-        sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))), 0.0);
+        let terms = |n: usize| products(&matrices[n], &form.gradient(&sight.states[n]));
+        sight.record(&mut casimir, terms, 0.0);
         let are_positive = sight.points.for_suprema.iter().flatten().all(|y| *y > 0.0);
         let minimum = Minimum::of(&form, are_positive);
         Self { formula: form.formula(), minimum, form, casimir }
@@ -54,28 +54,26 @@ impl Casimirs {
             _ => sight.matrices.clone(),
         };
         let mut chunks = sight.points.for_suprema.chunks(WIDTH);
-        let Candidates { forms, complete } = casimirs(&mut sight.probe, |_| {
-            chunks.next().map(<[Vec<f64>]>::to_vec).unwrap_or_default()
-        });
+        let Candidates { forms, complete } =
+            casimirs(&mut sight.probe, |_| chunks.next().unwrap_or_default().to_vec());
         let evaluated = |form| FoundCasimir::new(form, sight, &matrices);
-        let (candidates, mut logarithmic): (Vec<_>, Vec<_>) =
-            forms.into_iter().map(evaluated).partition(|c| c.form.degree > 0);
-        logarithmic.retain(|c| c.casimir.holds());
-        let (found, others): (Vec<_>, Vec<_>) =
-            candidates.into_iter().partition(|c| c.casimir.holds());
-        let definite = definite(&found).map(evaluated).filter(|c| c.casimir.holds());
+        let holds = |c: &FoundCasimir| c.casimir.holds();
+        let (mut found, others): (Vec<_>, Vec<_>) =
+            forms.into_iter().map(evaluated).partition(holds);
+        let logarithmic = found.extract_if(.., |c| c.form.degree == 0).collect();
+        let definite = definite(&found).map(evaluated).filter(holds);
         // The others being Casimirs, one that fails is in no combination that is one.
-        let failing = others.iter().filter(|c| c.casimir.fails()).count();
-        let complete = complete && failing == others.len().min(1);
+        let others = others.iter().filter(|c| c.form.degree > 0);
+        let failing = others.clone().filter(|c| c.casimir.fails()).count();
+        let complete = complete && failing == others.count().min(1);
         Self { found, complete, definite, logarithmic }
     }
 }
 
 /// Sum of the quadratic forms, if it is positive definite, for example Σ½|sᵢ|² of parts sᵢ of y.
 fn definite(found: &[FoundCasimir]) -> Option<Form> {
-    let quadratic = found.iter().map(|c| &c.form).filter(|form| form.degree == 2);
-    let sum = quadratic.map(|form| form.coefficients.clone());
-    let coefficients = sum.reduce(|a, b| moved(&a, 1.0, &b))?;
-    let sum = Form { degree: 2, coefficients };
+    let quadratic = found.iter().map(|c| c.form.clone()).filter(|form| form.degree == 2);
+    let sum = quadratic
+        .reduce(|a, b| Form { coefficients: moved(&a.coefficients, 1.0, &b.coefficients), ..a })?;
     Minimum::of(&sum, false).positive.holds().then_some(sum)
 }

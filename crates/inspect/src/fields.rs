@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Sight;
-use crate::facts::{Finding, Term, axis, sum};
+use crate::facts::{Finding, sum};
 
 /// Drift f₀ and noise fields fₘ of an equation that has neither B nor H.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,20 +16,17 @@ pub struct Fields {
 
 impl Fields {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let (d, states) = (sight.probe.dimension(), sight.states.clone());
         let mut found = Self { divergence: Finding::strict(), additive: Finding::default() };
         for m in 0..=sight.probe.noises() {
             let weights = sight.probe.weights(m);
-            let field = sight.probe.gradient(&states, &weights);
-            let column = |i| sight.probe.field_along(&states, &[axis(d, i)], &field, &weights);
-            let columns: Vec<_> = (0..d).map(column).collect();
-            let trace = |n: usize| vec![sum((0..d).map(|i| columns[i][n][i]))];
-            sight.record(&mut found.divergence, (0..states.len()).map(trace), 0.0);
+            let field = sight.probe.gradient(&sight.states, &weights);
+            let columns = sight.probe.field_columns(&sight.states, &field, &weights);
+            let diagonal = |n: usize| columns.iter().enumerate().map(move |(i, of)| of[n][i]);
+            sight.record(&mut found.divergence, |n| vec![sum(diagonal(n))], 0.0);
             if m > 0 {
-                let change = |n: usize| -> Vec<Term> {
-                    columns.iter().flat_map(|of| &of[n]).map(|x| (*x, x.abs())).collect()
-                };
-                sight.record(&mut found.additive, (0..states.len()).map(change), 0.0);
+                let entries = |n: usize| columns.iter().flat_map(move |of| &of[n]);
+                let change = |n| entries(n).map(|x| (*x, x.abs())).collect();
+                sight.record(&mut found.additive, change, 0.0);
             }
         }
         found

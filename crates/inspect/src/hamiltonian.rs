@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Sight, shape::Shape};
 use crate::facts::{
-    Batch, Finding, Purpose, Random, Status, Term, moved, norm, product, scaled, share, sum,
+    Batch, Finding, Purpose, Random, Status, moved, norm, product, scaled, share, sum,
 };
 
 /// The Hamiltonians H₀, …, H_M and the methods that follow from them.
@@ -39,33 +39,32 @@ const SINGLY: usize = 8;
 
 impl Hamiltonians {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let noises = sight.probe.noises();
+        let description = sight.probe.description;
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
         let (proportional, silent) = proportional(sight, &mut random);
-        let depend_on_time = sight.probe.description().depends_on_time;
+        let depend_on_time = description.depends_on_time;
         let mut found = Self { proportional, silent, depend_on_time, ..Self::default() };
-        for m in 0..=if noises <= SINGLY { noises } else { 0 } {
+        for m in 0..=if description.noises <= SINGLY { description.noises } else { 0 } {
             let unit = sight.probe.weights(m);
             found.shapes.push(Shape::of(sight, &|probe, y| probe.energy(y, &unit)));
         }
         let other = sight.weights(&mut random);
-        let energies = [weights.clone(), other.clone(), moved(&weights, 1.0, &other)];
-        let [a, b, both] = energies.map(|weights| sight.probe.energy(&sight.states, &weights));
-        let linear = sight.found((0..a.len()).map(|n| vec![sum([both[n], -a[n], -b[n]])]));
+        let both = moved(&weights, 1.0, &other);
+        let [a, b, both] =
+            [&weights, &other, &both].map(|weights| sight.probe.energy(&sight.states, weights));
+        let linear = sight.found(|n| vec![sum([both[n], -a[n], -b[n]])]);
         found.methods.push(("energy(y, dt, dw) is not linear in (dt, dw)", linear));
-        let mut sound = true;
         // With a bath it is more than ∇h, and so are averages.
-        let has_bath = sight.probe.description().has_bath;
-        if !has_bath {
+        if !description.has_bath {
             let gradient = sight.gradient(&weights);
-            sound = !gradient.fails();
+            let sound = !gradient.fails();
             found.methods.push(("gradient is not the gradient of energy", gradient));
-        }
-        if sight.probe.is_one_tile() && !has_bath {
-            let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
-            let all: Vec<_> = singly.chain([weights]).collect();
-            found.check_averages(sight, &all, sound);
+            if sight.probe.is_one_tile() {
+                let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
+                let all: Vec<_> = singly.chain([weights]).collect();
+                found.check_averages(sight, &all, sound);
+            }
         }
         found
     }
@@ -73,34 +72,32 @@ impl Hamiltonians {
     /// Checks averaged gradients and fields. `sound` says that the gradient is right: consequences
     /// of a wrong gradient are not listed as further mistakes.
     fn check_averages(&mut self, sight: &mut Sight<'_>, all: &[Vec<f64>], sound: bool) {
-        let (states, steps) = (sight.states.clone(), sight.segments());
+        let steps = sight.segments();
         let ends = sight.moved(1.0, &steps);
         let middle = |(a, b): (&Vec<f64>, &Vec<f64>)| scaled(0.5, &moved(a, 1.0, b));
-        let middles: Batch = states.iter().zip(&ends).map(middle).collect();
+        let middles: Batch = sight.states.iter().zip(&ends).map(middle).collect();
         let (mut at_points, mut fields) = (Finding::default(), Finding::default());
         // Whether `averaged_gradient` is written out, and not the quadrature of the interface.
         let mut own = false;
         for weights in all {
-            let probe = &mut sight.probe;
-            let [alone, _, _] = probe.averages(&states, &states, weights);
-            let slope = probe.gradient(&states, weights);
-            let [mean, field, quadrature] = probe.averages(&states, &ends, weights);
+            let Sight { probe, states, .. } = sight;
+            let [alone, _, _] = probe.averages(states, states, weights);
+            let slope = probe.gradient(states, weights);
+            let [mean, field, quadrature] = probe.averages(states, &ends, weights);
             let far = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(&moved(a, -1.0, b)) > SAME * norm(b);
             own |= mean.iter().zip(&quadrature).any(far);
             let expected = probe.structure(&middles, &mean);
-            let [start, end] = [&states, &ends].map(|y| probe.energy(y, weights));
+            let [start, end] = [states, &ends].map(|y| probe.energy(y, weights));
             let change = |n: usize| {
                 let (defect, size) = product(&mean[n], &steps[n]);
                 (defect - (end[n] - start[n]), size + end[n].abs() + start[n].abs())
             };
-            let changes: Vec<Term> = (0..states.len()).map(change).collect();
-            let relative = |n: usize| changes[n].0.abs() / (norm(&mean[n]) * norm(&steps[n]));
-            let worst = (0..states.len()).map(relative).fold(0.0, f64::max);
-            self.quadrature_error = self.quadrature_error.max(worst);
+            let relative = |n: usize| change(n).0.abs() / (norm(&mean[n]) * norm(&steps[n]));
+            let errors = (0..mean.len()).map(relative);
+            self.quadrature_error = errors.fold(self.quadrature_error, f64::max);
             sight.compare(&mut at_points, &alone, &slope);
             sight.compare(&mut fields, &field, &expected);
-            let changes = changes.into_iter().map(|term| vec![term]);
-            sight.record(&mut self.discrete_gradient, changes, 0.0);
+            sight.record(&mut self.discrete_gradient, |n| vec![change(n)], 0.0);
         }
         let what = "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))";
         self.methods.push((what, fields));
@@ -119,12 +116,11 @@ impl Hamiltonians {
 /// Whether Hₘ = cₘH₀ for every m, up to constants, and whether every cₘ is zero: two random
 /// combinations tell.
 fn proportional(sight: &mut Sight<'_>, random: &mut Random) -> (Finding, bool) {
-    let combinations = if sight.probe.noises() > 0 { 2 } else { 0 };
+    let description = sight.probe.description;
     let drift = sight.probe.gradient(&sight.states, &sight.probe.weights(0));
     let (mut proportional, mut silent) = (Finding::fitted(), true);
-    for _ in 0..combinations {
-        let mut weights = sight.weights(random);
-        weights[0] = 0.0;
+    for _ in 0..if description.noises > 0 { 2 } else { 0 } {
+        let weights = sight.weights_of_noises(random);
         let noise = sight.probe.gradient(&sight.states, &weights);
         // Of H₀ = 0 the multiple is zero.
         let c = share(&drift[0], &noise[0]);
@@ -133,7 +129,7 @@ fn proportional(sight: &mut Sight<'_>, random: &mut Random) -> (Finding, bool) {
         silent &= c == 0.0;
     }
     silent &= proportional.holds();
-    if sight.probe.description().depends_on_time {
+    if description.depends_on_time {
         proportional.status = Status::Fails;
     }
     (proportional, silent)

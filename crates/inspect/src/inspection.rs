@@ -3,16 +3,9 @@
 use serde::Serialize;
 
 use super::{
-    casimirs::Casimirs,
-    fields::Fields,
-    hamiltonian::Hamiltonians,
-    invariants::ClaimedInvariant,
-    noises::Noises,
-    points::Region,
-    problem::{Bound, ProblemFindings},
-    structure::Structure,
+    Bound, Casimirs, ClaimedInvariant, Fields, Finding, Hamiltonians, Noises, ProblemFindings,
+    Region, Status, Structure,
 };
-use crate::facts::{Finding, Status};
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
 ///
@@ -75,7 +68,7 @@ impl Inspection {
             ("structure(y, v) is not linear in v", &self.structure.linear),
             ("B(y) is not skew-symmetric", &self.structure.skew),
         ];
-        let methods = self.hamiltonians.methods.iter().map(|(what, finding)| (*what, finding));
+        let methods = self.hamiltonians.methods.iter().map(|(what, found)| (*what, found));
         let words = |(what, found): (&str, &Finding)| (found.status, format!("{what}: {found}"));
         let mut checks: Vec<_> = structure.into_iter().chain(methods).map(words).collect();
         if let Some(ProblemFindings { integral, .. }) = &self.problem {
@@ -96,6 +89,11 @@ impl Inspection {
             }
         }
         self
+    }
+
+    /// Whether a claim on a Casimir is true.
+    pub(super) fn has_claimed_casimir(&self) -> bool {
+        self.invariants.iter().any(|claim| claim.claimed_casimir && claim.status().holds())
     }
 
     /// Orders (strong, weak) that theory predicts for a scheme, by its identifier.

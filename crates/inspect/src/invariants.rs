@@ -32,7 +32,7 @@ const NOISES: usize = 8;
 
 impl ClaimedInvariant {
     pub(super) fn all(sight: &mut Sight<'_>) -> Vec<Self> {
-        let claims = sight.probe.description().invariants.clone();
+        let claims = sight.probe.description.invariants.clone();
         (0..claims.len()).map(|index| Self::of(sight, index, claims[index])).collect()
     }
 
@@ -50,13 +50,12 @@ impl ClaimedInvariant {
         };
         let flows = flows.iter().map(|weights| sight.probe.gradient(&states, weights)).collect();
         let [casimir, conserved] = [columns, flows].map(|vectors: Vec<Batch>| {
-            let along = |v: &Batch| {
+            let along = vectors.iter().map(|v| {
                 let field = sight.probe.structure(&states, v);
                 slopes(&mut sight.probe, &states, &field, &lengths(&states, &field), f)
-            };
-            let all: Vec<Vec<Term>> = vectors.iter().map(along).collect();
-            let at = |n: usize| all.iter().map(|terms| terms[n]).collect();
-            sight.found((0..states.len()).map(at))
+            });
+            let all: Vec<Vec<Term>> = along.collect();
+            sight.found(|n| all.iter().map(|terms| terms[n]).collect())
         });
         let mut invariant = Self {
             name: claim.name,
@@ -69,24 +68,23 @@ impl ClaimedInvariant {
             mistakes: Vec::new(),
         };
         let values = f(&mut sight.probe, &states);
-        let mistakes = match values.iter().find(|value| !value.is_finite()) {
-            Some(value) => {
-                vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
-            }
-            None => invariant.mistakes(),
-        };
-        let named = |what| format!("{} = {} {what}", claim.name, claim.formula);
-        invariant.mistakes = mistakes.into_iter().map(named).collect();
+        let infinite = values.iter().find(|value| !value.is_finite()).map(|value| {
+            vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
+        });
+        let mistakes = infinite.unwrap_or_else(|| invariant.mistakes());
+        let mistakes = mistakes.iter();
+        invariant.mistakes =
+            mistakes.map(|what| format!("{} = {} {what}", claim.name, claim.formula)).collect();
         invariant
     }
 
     /// Whether the claim is true.
     pub(super) fn status(&self) -> Status {
         let kind = if self.claimed_casimir { &self.casimir } else { &self.conserved };
-        if !self.mistakes.is_empty() {
-            return Status::Fails;
+        match self.mistakes.is_empty() {
+            true => kind.status.min(self.shape.homogeneous.status),
+            false => Status::Fails,
         }
-        kind.status.min(self.shape.homogeneous.status)
     }
 
     fn mistakes(&self) -> Vec<String> {
@@ -97,18 +95,18 @@ impl ClaimedInvariant {
             let but = if conserved.holds() { constant } else { "" };
             mistakes.push(format!("is claimed as a Casimir and is none{but}: B∇F ({casimir})"));
         } else if !self.claimed_casimir && conserved.fails() {
-            let what = "is claimed as an energy, and the flow changes it";
-            mistakes.push(format!("{what} ({conserved})"));
+            mistakes
+                .push(format!("is claimed as an energy, and the flow changes it ({conserved})"));
         }
         match shape.degree {
             Some(degree) if degree != *claimed => {
                 mistakes
                     .push(format!("is claimed to have degree {claimed} and has degree {degree}"));
             }
-            None if shape.homogeneous.fails() => {
-                let what = "is not homogeneous and hence has no conformal law";
-                mistakes.push(format!("{what} ({})", shape.homogeneous));
-            }
+            None if shape.homogeneous.fails() => mistakes.push(format!(
+                "is not homogeneous and hence has no conformal law ({})",
+                shape.homogeneous
+            )),
             _ => {}
         }
         mistakes

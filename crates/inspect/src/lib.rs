@@ -64,16 +64,11 @@ use crate::facts::{MAX_SEARCHED, Probe, norm};
 use points::{Points, Sight};
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
-pub use casimirs::{Casimirs, FoundCasimir};
-pub use fields::Fields;
-pub use hamiltonian::Hamiltonians;
-pub use inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem};
-pub use invariants::ClaimedInvariant;
-pub use noises::Noises;
 pub use points::{InspectError, Region};
-pub use problem::{Bound, ProblemFindings};
-pub use shape::{Minimum, Shape};
-pub use structure::Structure;
+pub use {
+    casimirs::*, fields::*, hamiltonian::*, inspection::*, invariants::*, noises::*, problem::*,
+    shape::*, structure::*,
+};
 
 /// Half side of the box in which a system without an initial value is inspected.
 const HALF_SIDE: f64 = 2.0;
@@ -132,7 +127,7 @@ pub fn inspect(
     let y0 = settings.y0.as_deref();
     let (probe, description) = (Probe::new(system), system.description());
     let rows_of_paths = description.layout.lanes == Lanes::Paths;
-    let small = rows_of_paths && probe.dimension() <= SMALL;
+    let small = rows_of_paths && description.dimension <= SMALL;
     let region = match y0 {
         _ if !small => Region::Near,
         Some(y0) if norm(y0) > 0.0 => Region::Ball(2.0 * norm(y0)),
@@ -143,35 +138,14 @@ pub fn inspect(
     if let (true, Some(y0)) = (small, y0) {
         points.add_start(&probe, y0);
     }
-    let mut sight = Sight::new(probe, &points);
-    check_finite(&mut sight)?;
-    let plain = description.plain;
-    let structure = if plain { Structure::default() } else { Structure::of(&mut sight) };
-    let hamiltonians = match plain {
-        true => Hamiltonians { silent: description.noises == 0, ..Hamiltonians::default() },
-        false => Hamiltonians::of(&mut sight),
-    };
-    let fields = plain.then(|| Fields::of(&mut sight));
-    let noise = Noises::of(&mut sight);
-    let invariants = ClaimedInvariant::all(&mut sight);
-    let searched = rows_of_paths && sight.probe.dimension() <= MAX_SEARCHED;
-    let casimirs = searched.then(|| Casimirs::of(&mut sight));
-    // Friction may break what bounds paths.
-    let uniform = settings.friction.is_empty();
-    let of_bound = casimirs.as_ref().filter(|_| uniform && structure.sound().holds());
-    let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
-    let few = !sight.matrices.is_empty();
-    let problem = y0.zip(settings.damping).map(|(y0, damping)| {
-        ProblemFindings::of((damping, settings.friction), y0, system, bound.as_ref())
-    });
-    let (damped, finite_rates) = match &problem {
-        Some(ProblemFindings { integral, .. }) => (!integral.none, integral.finite),
-        None => (true, true),
-    };
+    let sight = &mut Sight::new(probe, &points);
+    check_finite(sight)?;
+    let (plain, silent) = (description.plain, description.noises == 0);
+    let searched = rows_of_paths && description.dimension <= MAX_SEARCHED;
     let mut report = Inspection {
-        system: match few {
-            true => description.name.clone(),
-            false => format!("{} ({})", description.name, description.parameters),
+        system: match sight.matrices.is_empty() {
+            true => format!("{} ({})", description.name, description.parameters),
+            false => description.name.clone(),
         },
         dimension: description.dimension,
         noises: description.noises,
@@ -181,34 +155,47 @@ pub fn inspect(
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,
-        problem,
+        structure: if plain { Structure::default() } else { Structure::of(sight) },
+        hamiltonians: match plain {
+            true => Hamiltonians { silent, ..Hamiltonians::default() },
+            false => Hamiltonians::of(sight),
+        },
+        fields: plain.then(|| Fields::of(sight)),
+        noise: Noises::of(sight),
+        invariants: ClaimedInvariant::all(sight),
+        casimirs: searched.then(|| Casimirs::of(sight)),
+        bound: None,
+        problem: None,
         theorems: Vec::new(),
         orders: Vec::new(),
         recommended: Vec::new(),
         mistakes: Vec::new(),
         undecided: Vec::new(),
-        structure,
-        hamiltonians,
-        fields,
-        noise,
-        invariants,
-        casimirs,
-        bound,
     };
+    // Friction may break what bounds paths.
+    let uniform = settings.friction.is_empty();
+    if uniform && report.structure.sound().holds() {
+        let of = |casimirs| Bound::of(&report.hamiltonians, casimirs);
+        report.bound = report.casimirs.as_ref().and_then(of);
+    }
+    report.problem = y0.zip(settings.damping).map(|(y0, damping)| {
+        ProblemFindings::of((damping, settings.friction), y0, system, report.bound.as_ref())
+    });
+    let integral = report.problem.as_ref().map(|problem| &problem.integral);
+    let damped = integral.is_none_or(|integral| !integral.none);
+    let finite_rates = integral.is_none_or(|integral| integral.finite);
     report.orders = theory::orders(&report, settings.areas, finite_rates);
     // The paper's equation has neither friction nor a bath.
-    let is_theirs = uniform && !description.has_bath;
     if !plain {
-        report.theorems = theory::theorems(&report, damped, is_theirs);
+        report.theorems = theory::theorems(&report, damped, uniform && !description.has_bath);
     }
     report.recommended = theory::recommendations(&report, system, settings, damped);
     Ok(report.with_mistakes())
 }
 
-fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
-    let weights = vec![1.0; sight.probe.noises() + 1];
-    let probe = &mut sight.probe;
-    for states in [&sight.points.for_suprema, &sight.points.for_identities] {
+fn check_finite(Sight { probe, points, .. }: &mut Sight<'_>) -> Result<(), InspectError> {
+    let weights = vec![1.0; probe.noises() + 1];
+    for states in [&points.for_suprema, &points.for_identities] {
         let gradient = probe.gradient(states, &weights);
         let fields = probe.structure(states, &gradient);
         let energies = probe.energy(states, &weights);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Sight;
-use crate::facts::{Batch, CLUSTER, Finding, Purpose, Random, Term, axis, norm, sum};
+use crate::facts::{Batch, CLUSTER, Finding, Purpose, Random, Term, norm, sum};
 
 /// Commutators of the noise fields fₘ = B∇Hₘ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,29 +27,20 @@ impl Noises {
         }
         let few = !sight.matrices.is_empty() && noises <= FEW;
         let mut random = Random::new(Purpose::Areas);
-        // Two random combinations of all noises commute if all do.
-        let mut combination = || {
-            let mut weights = sight.weights(&mut random);
-            weights[0] = 0.0;
-            weights
-        };
         let weights: Vec<Vec<f64>> = match few {
             true => (1..=noises).map(|m| sight.probe.weights(m)).collect(),
-            false => vec![combination(), combination()],
+            // Two random combinations of all noises commute if all do.
+            false => (0..2).map(|_| sight.weights_of_noises(&mut random)).collect(),
         };
         let Sight { probe, points, states, matrices } = sight;
-        let (d, plain) = (probe.dimension(), probe.description().plain);
         let slopes: Vec<Batch> = weights.iter().map(|h| probe.gradient(states, h)).collect();
         let fields: Vec<Batch> = slopes.iter().map(|dh| probe.structure(states, dh)).collect();
-        let mut along =
-            |m: usize, u: &[Vec<f64>]| probe.field_along(states, u, &slopes[m], &weights[m]);
         // The columns of f′; of many components f′ along the other field.
-        let derivatives: Vec<Vec<Batch>> = match few {
-            true => {
-                (0..noises).map(|m| (0..d).map(|k| along(m, &[axis(d, k)])).collect()).collect()
-            }
-            false => vec![vec![along(0, &fields[1])], vec![along(1, &fields[0])]],
+        let derivative = |m: usize| match few {
+            true => probe.field_columns(states, &slopes[m], &weights[m]),
+            false => vec![probe.field_along(states, &fields[1 - m], &slopes[m], &weights[m])],
         };
+        let derivatives: Vec<Vec<Batch>> = (0..weights.len()).map(derivative).collect();
         let norms = points.for_identities.iter().map(|y| norm(y));
         let extent = norms.fold(f64::MIN_POSITIVE, f64::max);
         for (l, m) in (0..weights.len()).flat_map(|l| (0..l).map(move |m| (l, m))) {
@@ -60,23 +51,21 @@ impl Noises {
                 };
                 sum(product(l, m, 1.0).chain(product(m, l, -1.0)))
             };
-            let terms = |n: usize| (0..d).map(|i| entry(n, i)).collect();
+            let terms = |n: usize| (0..states[n].len()).map(|i| entry(n, i)).collect();
             let terms: Vec<Vec<Term>> = (0..states.len()).map(terms).collect();
             for (n, cluster) in terms.chunks(CLUSTER).enumerate() {
+                let at = &points.for_identities[n];
                 // ‖B‖‖∇h‖: a field may vanish to round-off.
-                let b = matrices.get(n * CLUSTER).filter(|_| !plain);
+                let b = matrices.get(n * CLUSTER).filter(|_| !probe.description.plain);
                 let length = |m: usize| match b {
                     Some(b) => norm(&b.concat()) * norm(&slopes[m][n * CLUSTER]),
                     None => norm(&fields[m][n * CLUSTER]),
                 };
                 // The size of a derivative of fields that are not nearly constant.
                 let typical = length(l) * length(m) / extent;
-                let record = |to: &mut Finding| {
-                    to.record(&points.for_identities[n], cluster, typical);
-                };
-                record(&mut found.commute);
+                found.commute.record(at, cluster, typical);
                 if n == points.random {
-                    record(&mut found.at_start);
+                    found.at_start.record(at, cluster, typical);
                 }
             }
         }

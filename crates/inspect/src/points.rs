@@ -4,8 +4,8 @@ use real::elementary::powf;
 use serde::Serialize;
 
 use crate::facts::{
-    APART, Batch, CLUSTER, Finding, Matrix, Probe, Purpose, Random, Term, Values, differences,
-    moved, norm, product, slopes,
+    APART, Batch, CLUSTER, Finding, HALVINGS, Matrix, Probe, Purpose, Random, Status, Term, Values,
+    differences, moved, norm, product, scaled, slopes,
 };
 
 /// The region of the points of an inspection.
@@ -44,10 +44,8 @@ const TRIES: usize = 64;
 /// Halvings of the distance of points near the initial value, where the domain is a small part of
 /// the region.
 const NEARER: usize = 16;
-/// Distances from the initial value, relative to its norm, of the points around it; and halvings of
-/// these, and of segments, until they are in the domain.
+/// Distances from the initial value, relative to its norm, of the points around it.
 const AROUND: [f64; 4] = [1.0, 0.1, 0.01, 1e-3];
-const HALVINGS: i32 = 40;
 
 impl Points {
     /// Random points of the region that are in the domain. Where the domain is a small part of the
@@ -79,8 +77,11 @@ impl Points {
                     near(share, 0.1 * norm(start), &mut random)
                 }
                 _ => {
-                    let y = region.point(d, &mut random).into_iter();
-                    y.map(|y| if attempt / wanted < TRIES { y } else { y.abs() }).collect()
+                    let mut y = region.point(d, &mut random);
+                    if attempt / wanted >= TRIES {
+                        y.iter_mut().for_each(|y| *y = y.abs());
+                    }
+                    y
                 }
             };
             if probe.in_domain(&y) {
@@ -118,9 +119,7 @@ impl Points {
         let size = if norm(y0) > 0.0 { norm(y0) } else { 1.0 };
         self.for_identities.push(y0.to_vec());
         for distance in AROUND {
-            let direction: Vec<f64> = y0.iter().map(|_| random.uniform()).collect();
-            let at = |halvings| moved(y0, size * distance * f64::powi(0.5, halvings), &direction);
-            let inside = (0..HALVINGS).map(at).find(|y| probe.in_domain(y));
+            let inside = probe.halved_into_domain(y0, size * distance, &random.vector(y0.len()));
             self.for_identities.extend(inside);
         }
     }
@@ -129,7 +128,7 @@ impl Points {
 impl Region {
     fn point(&self, d: usize, random: &mut Random) -> Vec<f64> {
         match *self {
-            Self::Box(half_side) => (0..d).map(|_| half_side * random.uniform()).collect(),
+            Self::Box(half_side) => scaled(half_side, &random.vector(d)),
             Self::Near => Vec::new(),
             Self::Ball(radius) => {
                 let direction: Vec<f64> = (0..d).map(|_| random.normals.normal()).collect();
@@ -137,8 +136,7 @@ impl Region {
                 let share = random.uniform().abs();
                 let length =
                     if share < 0.25 { 1.0 } else { powf((share - 0.25) / 0.75, 1.0 / d as f64) };
-                let scale = radius * length / norm(&direction);
-                direction.into_iter().map(|x| x * scale).collect()
+                scaled(radius * length / norm(&direction), &direction)
             }
         }
     }
@@ -198,31 +196,32 @@ impl<'a> Sight<'a> {
 
     /// One random vector for each cluster, repeated at all its states.
     pub fn vectors(&self, random: &mut Random) -> Batch {
-        let d = self.probe.dimension();
-        let mut vector = || (0..d).map(|_| random.uniform()).collect::<Vec<_>>();
-        self.points.for_identities.iter().flat_map(|_| vec![vector(); CLUSTER]).collect()
+        let points = self.points.for_identities.iter();
+        points.flat_map(|y| vec![random.vector(y.len()); CLUSTER]).collect()
     }
 
     /// Random weights of all Hamiltonians.
     pub fn weights(&self, random: &mut Random) -> Vec<f64> {
-        (0..=self.probe.noises()).map(|_| random.uniform()).collect()
+        random.vector(1 + self.probe.noises())
+    }
+
+    /// Random weights of the Hamiltonians of noises.
+    pub fn weights_of_noises(&self, random: &mut Random) -> Vec<f64> {
+        let mut weights = self.weights(random);
+        weights[0] = 0.0;
+        weights
     }
 
     /// Records an identity whose terms are given at each state, beside others of the size `wide`.
-    pub fn record(
-        &self,
-        finding: &mut Finding,
-        terms: impl IntoIterator<Item = Vec<Term>>,
-        wide: f64,
-    ) {
-        let terms: Vec<_> = terms.into_iter().collect();
+    pub fn record(&self, finding: &mut Finding, terms: impl Fn(usize) -> Vec<Term>, wide: f64) {
+        let terms: Vec<_> = (0..self.states.len()).map(terms).collect();
         for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
             finding.record(at, cluster, wide);
         }
     }
 
     /// Finding on an identity whose terms are given at each state.
-    pub fn found(&self, terms: impl IntoIterator<Item = Vec<Term>>) -> Finding {
+    pub fn found(&self, terms: impl Fn(usize) -> Vec<Term>) -> Finding {
         let mut finding = Finding::default();
         self.record(&mut finding, terms, 0.0);
         finding
@@ -230,7 +229,7 @@ impl<'a> Sight<'a> {
 
     /// Records a = b at each state.
     pub fn compare(&self, finding: &mut Finding, a: &Batch, b: &Batch) {
-        self.record(finding, a.iter().zip(b).map(|(a, b)| differences(a, b)), 0.0);
+        self.record(finding, |n| differences(&a[n], &b[n]), 0.0);
     }
 
     /// The ends of steps from each state.
@@ -241,19 +240,16 @@ impl<'a> Sight<'a> {
     /// Steps from each state towards the next point, shortened until they are in the domain.
     pub fn segments(&self) -> Batch {
         let points = &self.points.for_identities;
-        let segment = |n: usize| {
-            let (a, b) = (&points[n], &points[(n + 1) % points.len()]);
-            let step = |halvings| -> Vec<f64> {
-                let share = SEGMENT * f64::powi(0.5, halvings);
-                a.iter().zip(b).map(|(a, b)| share * (b - a)).collect()
-            };
-            let inside = |step: &Vec<f64>| {
+        let steps = points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| {
+            let whole = moved(b, -1.0, a);
+            let mut steps =
+                (0..HALVINGS).map(|halvings| scaled(SEGMENT * f64::powi(0.5, halvings), &whole));
+            let is_inside = |step: &Vec<f64>| {
                 (1..=8).all(|k| self.probe.in_domain(&moved(a, f64::from(k) / 8.0, step)))
             };
-            let step = (0..HALVINGS).map(step).find(inside).unwrap_or_else(|| vec![0.0; a.len()]);
-            vec![step; CLUSTER]
-        };
-        (0..points.len()).flat_map(segment).collect()
+            steps.find(is_inside).unwrap_or_else(|| vec![0.0; a.len()])
+        });
+        steps.flat_map(|step| vec![step; CLUSTER]).collect()
     }
 
     /// Whether `gradient` is the derivative of h along segments, where that is resolved.
@@ -264,17 +260,19 @@ impl<'a> Sight<'a> {
         // All values are on the segments.
         let slopes = slopes(&mut self.probe, &middles, &steps, &vec![0.125; steps.len()], energy);
         let gradients = self.probe.gradient(&middles, weights);
-        let terms = slopes.into_iter().zip(gradients.iter().zip(&steps));
-        let terms = terms.map(|((slope, size), (gradient, step))| {
-            let (along, terms) = product(gradient, step);
-            vec![(slope - along, size + terms)]
-        });
-        let terms: Vec<_> = terms.collect();
-        for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
-            if cluster.iter().all(|terms| terms[0].1 < f64::INFINITY) {
-                finding.record(at, cluster, 0.0);
+        let term = |n: usize| {
+            let (along, size) = product(&gradients[n], &steps[n]);
+            vec![(slopes[n].0 - along, slopes[n].1 + size)]
+        };
+        for (n, at) in self.points.for_identities.iter().enumerate() {
+            let cluster = n * CLUSTER..(n + 1) * CLUSTER;
+            if slopes[cluster.clone()].iter().all(|(_, size)| *size < f64::INFINITY) {
+                finding.record(at, &cluster.map(term).collect::<Vec<_>>(), 0.0);
             }
         }
-        finding.seen()
+        if finding.points == 0 {
+            finding.status = Status::Unknown;
+        }
+        finding
     }
 }

@@ -5,12 +5,8 @@ use real::elementary::{exp, powf};
 use serde::Serialize;
 use systems::{Damping, run_time::System};
 
-use super::{
-    casimirs::{Casimirs, FoundCasimir},
-    hamiltonian::Hamiltonians,
-    shape::Minimum,
-};
-use crate::facts::{DampingIntegral, Form, energy};
+use super::{Casimirs, DampingIntegral, Form, FoundCasimir, Hamiltonians, Minimum};
+use crate::facts::energy;
 
 /// Function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
@@ -34,8 +30,8 @@ impl Bound {
             minimum: *minimum,
             casimir: Some(form.clone()),
         };
-        let energy = hamiltonians.shapes.first().and_then(|h0| h0.degree.zip(h0.minimum));
-        let energy = energy.filter(|_| hamiltonians.proportional.holds());
+        let h0 = hamiltonians.shapes.first().filter(|_| hamiltonians.proportional.holds());
+        let energy = h0.and_then(|h0| h0.degree.zip(h0.minimum));
         let energy = energy.map(|(degree, minimum)| Self { degree, minimum, casimir: None });
         let all = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
         let positive = all.filter(|bound| bound.minimum.positive.holds());
@@ -71,12 +67,13 @@ impl ProblemFindings {
         system: &dyn System,
         bound: Option<&Bound>,
     ) -> Self {
-        let of_friction =
-            friction.iter().map(|friction| DampingIntegral::of(&*friction.damping, t_end));
-        let first = DampingIntegral::of(damping, t_end);
-        let worse =
-            |a: DampingIntegral, b: DampingIntegral| if b.agrees < a.agrees { b } else { a };
-        let integral = of_friction.fold(first, worse);
+        let mut integral = DampingIntegral::of(damping, t_end);
+        for one in friction {
+            let other = DampingIntegral::of(&*one.damping, t_end);
+            if other.agrees < integral.agrees {
+                integral = other;
+            }
+        }
         let bound = bound.filter(|_| integral.agrees.holds());
         let radius = bound.map(|bound| bound.radius(system, y0) * exp(-integral.least));
         Self { damping: Friction::describe(friction, damping, t_end), integral, radius }

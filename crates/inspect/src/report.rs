@@ -3,16 +3,10 @@
 use std::fmt::{Display, Formatter, Result};
 
 use super::{
-    casimirs::{Casimirs, FoundCasimir},
-    fields::Fields,
-    inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
-    invariants::ClaimedInvariant,
-    points::Region,
-    problem::ProblemFindings,
-    shape::{Minimum, Shape},
-    structure::Structure,
+    Applies, Casimirs, ClaimedInvariant, ExpectedOrder, Fields, Finding, FoundCasimir, Inspection,
+    Minimum, ProblemFindings, Recommendation, Region, Shape, Status, Structure, Theorem,
 };
-use crate::facts::{Finding, Status, TIME};
+use crate::facts::TIME;
 
 /// Largest number of Casimirs and of claims that are printed.
 const LISTED: usize = 12;
@@ -46,12 +40,12 @@ impl Inspection {
         }
         let shapes = h.shapes.iter().enumerate();
         lines.extend(shapes.map(|(m, shape)| row(&format!("H{m}"), shape)));
-        let not_exact = format!(
-            "by quadrature: relative error {:.1e} over a tenth of the region, less in a step",
-            h.quadrature_error
-        );
-        // The combining macron takes a character, but no width.
         if h.discrete_gradient.points > 0 {
+            let not_exact = format!(
+                "by quadrature: relative error {:.1e} over a tenth of the region, less in a step",
+                h.quadrature_error
+            );
+            // The combining macron takes a character, but no width.
             lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
         }
         if *noises > 0 && self.fields.is_none() {
@@ -72,11 +66,7 @@ impl Inspection {
         let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;
             let kind = if invariant.claimed_casimir { "Casimir" } else { "energy" };
-            let status = match invariant.status() {
-                Status::Fails => "WRONG, see below",
-                Status::Unknown => "cannot tell",
-                Status::Holds => "holds",
-            };
+            let status = invariant.status().words(["WRONG, see below", "cannot tell", "holds"]);
             row(name, format!("{formula}: {kind} ({status}); {shape}"))
         });
         lines.extend(some(claims));
@@ -86,40 +76,31 @@ impl Inspection {
         });
         if let Some(ProblemFindings { damping, integral, radius }) = &self.problem {
             lines.push(row("damping", format!("{damping}; {integral}")));
-            let inside = match self.bound.as_ref().is_some_and(|bound| bound.minimum.in_domain_only)
-            {
-                true => " while they are in the domain",
-                false => "",
-            };
-            lines.push(row(
-                "paths",
-                match radius {
-                    Some(radius) => format!("stay within ‖y‖ ≤ {}{inside}", length(*radius)),
-                    None => "no bound was found".into(),
-                },
-            ));
+            let in_domain_only = self.bound.as_ref().is_some_and(|b| b.minimum.in_domain_only);
+            let inside = if in_domain_only { " while they are in the domain" } else { "" };
+            let bound = radius.map(|r| format!("stay within ‖y‖ ≤ {}{inside}", length(r)));
+            lines.push(row("paths", bound.as_deref().unwrap_or("no bound was found")));
         }
-        let applies = self.theorems.iter().map(|Theorem { statement, applies }| {
+        if !self.theorems.is_empty() {
+            lines.push("Statements of the paper".into());
+        }
+        lines.extend(grouped(self.theorems.iter().map(|Theorem { statement, applies }| {
             let applies = match applies {
                 Applies::Yes => "they apply",
                 Applies::Conditionally => "under a condition",
                 Applies::No => "they do not apply",
             };
             (*statement, applies.to_owned())
-        });
-        if !self.theorems.is_empty() {
-            lines.push("Statements of the paper".into());
-        }
-        lines.extend(grouped(applies));
-        let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
+        })));
+        lines.push("Expected orders, strong / weak".into());
+        lines.extend(grouped(self.orders.iter().map(|order| {
+            let ExpectedOrder { scheme, strong, weak, known } = order;
             let known = if known.holds() { "" } else { " at least" };
             (*scheme, format!("{strong}{known} / {weak}"))
-        });
-        lines.push("Expected orders, strong / weak".into());
-        lines.extend(grouped(orders));
-        for Recommendation { purpose, scheme, because } in &self.recommended {
-            lines.push(format!("Take {scheme} for {purpose}: {because}"));
-        }
+        })));
+        lines.extend(self.recommended.iter().map(|Recommendation { purpose, scheme, because }| {
+            format!("Take {scheme} for {purpose}: {because}")
+        }));
         lines
     }
 }
@@ -176,25 +157,18 @@ impl Casimirs {
 
 impl Fields {
     fn lines(&self, noises: usize) -> Vec<String> {
-        let words = self.divergence.words("none, volume is kept", "of some field");
-        let mut lines = vec![row("∇·f", words)];
-        if noises > 0 {
-            let words = self.additive.words("additive", "multiplicative");
-            lines.push(row("noises", words));
-        }
-        lines
+        let volume = self.divergence.words("none, volume is kept", "of some field");
+        let additive = self.additive.words("additive", "multiplicative");
+        let all = [row("∇·f", volume), row("noises", additive)];
+        all.into_iter().take(if noises > 0 { 2 } else { 1 }).collect()
     }
 }
 
 impl Finding {
     /// Answers `yes` if the finding holds, `yes?` if it is undecided, else `no`; adds the finding.
     fn words(&self, yes: &str, no: &str) -> String {
-        let (answer, doubt) = match self.status {
-            Status::Fails => (no, ""),
-            Status::Unknown => (yes, "?"),
-            Status::Holds => (yes, ""),
-        };
-        format!("{answer}{doubt} ({self})")
+        let answer = self.status.words([no, yes, yes]);
+        format!("{answer}{} ({self})", self.status.words(["", "?", ""]))
     }
 }
 
@@ -249,12 +223,11 @@ impl Display for Structure {
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let domain = if self.in_domain_only { " on the domain" } else { "" };
         match self.positive {
-            Status::Unknown => write!(f, "about 0{domain}"),
-            Status::Fails => write!(f, "{:.4e}{domain}", self.value),
-            Status::Holds => write!(f, "{:.4e} > 0{domain}", self.value),
+            Status::Unknown => write!(f, "about 0")?,
+            known => write!(f, "{:.4e}{}", self.value, known.words(["", "", " > 0"]))?,
         }
+        f.write_str(if self.in_domain_only { " on the domain" } else { "" })
     }
 }
 

@@ -41,11 +41,11 @@ const STRETCH: [f64; 2] = [2.0, 0.5];
 impl Shape {
     pub(super) fn of(sight: &mut Sight<'_>, f: Values<'_>) -> Self {
         let values = f(&mut sight.probe, &sight.states);
-        let factor = |at: &Vec<f64>| {
+        let factors = sight.points.for_identities.iter().flat_map(|at| {
             let inside = STRETCH.into_iter().find(|&c| sight.probe.in_domain(&scaled(c, at)));
             [inside.unwrap_or(1.0); CLUSTER]
-        };
-        let factors: Vec<f64> = sight.points.for_identities.iter().flat_map(factor).collect();
+        });
+        let factors: Vec<f64> = factors.collect();
         let states: Batch = sight.states.iter().zip(&factors).map(|(y, c)| scaled(*c, y)).collect();
         let stretched = f(&mut sight.probe, &states);
         let zero = values.iter().chain(&stretched).all(|x| *x == 0.0);
@@ -56,28 +56,24 @@ impl Shape {
         let degree = best.map_or(f64::NAN, |n| ln(stretched[n] / values[n]) / ln(factors[n]));
         let degree = if zero { 0.0 } else { short(degree) + 0.0 };
         let same = |sight: &Sight<'_>, finding: &mut Finding, others: &dyn Fn(usize) -> f64| {
-            let terms = (0..values.len()).map(|n| vec![sum([stretched[n], -others(n)])]);
-            sight.record(finding, terms, typical);
+            sight.record(finding, |n| vec![sum([stretched[n], -others(n)])], typical);
         };
         let mut homogeneous =
             if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
         if degree.is_finite() {
-            let power = |n: usize| powf(factors[n], degree) * values[n];
-            same(sight, &mut homogeneous, &power);
+            same(sight, &mut homogeneous, &|n| powf(factors[n], degree) * values[n]);
         } else {
-            let told = if typical.is_finite() { Status::Fails } else { Status::Unknown };
-            homogeneous.status = told;
+            homogeneous.status = if typical.is_finite() { Status::Fails } else { Status::Unknown };
         }
         let degree = Some(degree).filter(|_| homogeneous.holds() && !zero);
         let whole = !sight.matrices.is_empty() && sight.points.everywhere;
         let of_form = degree.filter(|degree| whole && [1.0, 2.0].contains(degree));
-        let form = of_form.map(|degree| form(&mut sight.probe, degree as u32, f));
-        let form = form.filter(|form| {
-            let mut fitted = Finding::fitted();
+        let minimum = of_form.and_then(|degree| {
+            let (form, mut fitted) = (form(&mut sight.probe, degree as u32, f), Finding::fitted());
             same(sight, &mut fitted, &|n| form.value(&states[n]));
-            fitted.holds()
+            fitted.holds().then(|| Minimum::of(&form, false))
         });
-        Self { degree, homogeneous, minimum: form.map(|form| Minimum::of(&form, false)) }
+        Self { degree, homogeneous, minimum }
     }
 
     /// Whether F = 0.
@@ -100,9 +96,10 @@ fn form(probe: &mut Probe<'_>, degree: u32, f: Values<'_>) -> Form {
     let pairs: Batch = (0..d * d).map(|n| moved(&axes[n / d], 1.0, &axes[n % d])).collect();
     let coefficients = match degree {
         1 => alone,
-        _ => (f(probe, &pairs).into_iter().enumerate())
-            .map(|(n, both)| both - alone[n / d] - alone[n % d])
-            .collect(),
+        _ => {
+            let both = f(probe, &pairs);
+            (0..d * d).map(|n| both[n] - alone[n / d] - alone[n % d]).collect()
+        }
     };
     Form { degree, coefficients }
 }
@@ -125,9 +122,9 @@ impl Minimum {
                 (0.5 * smallest_eigenvalue(&q), error)
             }
         };
-        let positive = match (value > error, value < -error) {
-            (true, _) => Status::Holds,
-            (_, true) => Status::Fails,
+        let positive = match value {
+            value if value > error => Status::Holds,
+            value if value < -error => Status::Fails,
             _ => Status::Unknown,
         };
         Self { value: value - error, positive, in_domain_only }

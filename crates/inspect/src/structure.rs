@@ -4,8 +4,7 @@ use serde::Serialize;
 
 use super::Sight;
 use crate::facts::{
-    Batch, Finding, Matrix, Purpose, Random, Status, combined, differences, moved, places, product,
-    sum,
+    Batch, Finding, Purpose, Random, Status, combined, differences, moved, places, product, sum,
 };
 
 /// Properties of the structure matrix B(y).
@@ -29,16 +28,14 @@ impl Structure {
         let both: Batch = u.iter().zip(&v).map(|(u, v)| moved(u, 1.0, v)).collect();
         let [bu, bv, b_both] = [&u, &v, &both].map(|v| sight.probe.structure(&sight.states, v));
         let defect = |n: usize, i: usize| sum([b_both[n][i], -bu[n][i], -bv[n][i]]);
-        let defects = |n: usize| (0..u[n].len()).map(|i| defect(n, i)).collect();
-        let linear = sight.found((0..u.len()).map(defects));
+        let linear = sight.found(|n| (0..u[n].len()).map(|i| defect(n, i)).collect());
         // Bᵢⱼ + Bⱼᵢ = 0, or vᵀB(y)v = 0.
-        let pairs = |b: &Matrix| places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect();
-        let skew = match sight.matrices.is_empty() {
-            true => sight.found(v.iter().zip(&bv).map(|(v, bv)| vec![product(v, bv)])),
-            false => sight.found(sight.matrices.iter().map(pairs)),
-        };
+        let skew = sight.found(|n| match sight.matrices.get(n) {
+            Some(b) => places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect(),
+            None => vec![product(&v[n], &bv[n])],
+        });
         let fixed = sight.probe.structure(&sight.states, &v[..1]);
-        let constant = sight.found(fixed.iter().map(|bv| differences(bv, &fixed[0])));
+        let constant = sight.found(|n| differences(&fixed[n], &fixed[0]));
         // The Jacobi identity for three covectors.
         let covectors = [u, v, sight.vectors(&mut random)];
         let turned = covectors.each_ref().map(|v| sight.probe.structure(&sight.states, v));
@@ -46,10 +43,10 @@ impl Structure {
         for k in 0..3 {
             let (a, b, c) = (&covectors[k], &covectors[(k + 1) % 3], &turned[(k + 2) % 3]);
             let along = sight.probe.structure_along(&sight.states, c, b);
-            let terms: Vec<_> = a.iter().zip(&along).map(|(a, along)| product(a, along)).collect();
-            jacobi = combined(&jacobi, &terms);
+            let terms = a.iter().zip(&along).map(|(a, along)| product(a, along));
+            jacobi = combined(&jacobi, &terms.collect::<Vec<_>>());
         }
-        let jacobi = sight.found(jacobi.into_iter().map(|term| vec![term]));
+        let jacobi = sight.found(|n| vec![jacobi[n]]);
         Self { linear, skew, constant, jacobi }
     }
 

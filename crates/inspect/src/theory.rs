@@ -4,11 +4,10 @@ use schemes::{BuiltIn, Properties, SexpLi, StrongOrder};
 use systems::{Linearity, run_time::System};
 
 use super::{
-    InspectSettings,
-    casimirs::FoundCasimir,
-    inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
+    Applies, ExpectedOrder, FoundCasimir, InspectSettings, Inspection, Recommendation, Status,
+    Theorem,
 };
-use crate::facts::{Conserved, Status};
+use crate::facts::Conserved;
 
 /// Orders of the [built-in schemes](BuiltIn) for smooth B and H. Schemes with Lévy areas are listed
 /// if `areas` are drawn, schemes that read rates of the damping if these are finite. Strong order
@@ -23,23 +22,23 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
         _ => (0.5, Status::Unknown),
     };
     let expected = |scheme: BuiltIn| {
-        let Properties { id, strong, weak, without_noise, exact_damping, .. } = scheme.properties();
-        let ((strong, known), weak) = match strong {
-            _ if report.hamiltonians.silent => ((without_noise, Status::Holds), without_noise),
-            StrongOrder::Areas => ((1.0, Status::Holds), weak),
-            StrongOrder::Commuting => (commuting, weak),
-            StrongOrder::SpaceTime => {
-                let order = if report.is_langevin { 2.0 } else { 1.5 };
-                ((order, Status::Holds), weak)
-            }
-            StrongOrder::Additive => ((0.5, Status::Unknown), weak),
+        let Properties { id, strong, weak, without_noise, .. } = scheme.properties();
+        let silent = report.hamiltonians.silent;
+        let (strong, known) = match strong {
+            _ if silent => (without_noise, Status::Holds),
+            StrongOrder::Areas => (1.0, Status::Holds),
+            StrongOrder::Commuting => commuting,
+            StrongOrder::SpaceTime => (if report.is_langevin { 2.0 } else { 1.5 }, Status::Holds),
+            StrongOrder::Additive => (0.5, Status::Unknown),
         };
-        let expected = ExpectedOrder { scheme: id, strong, weak, known };
-        ((areas || !scheme.is_for_areas()) && (exact_damping || finite_rates)).then_some(expected)
+        let weak = if silent { without_noise } else { weak };
+        ExpectedOrder { scheme: id, strong, weak, known }
     };
     let (commute, constant) = (noise.commute.holds(), !report.depends_on_time);
     let is_sound = |scheme: &BuiltIn| match scheme {
-        scheme if report.fields.is_some() => scheme.is_for_plain(),
+        _ if !areas && scheme.is_for_areas() => false,
+        _ if !finite_rates && !scheme.properties().exact_damping => false,
+        _ if report.fields.is_some() => scheme.is_for_plain(),
         BuiltIn::Baoab => report.has_flows && commute,
         BuiltIn::SplitH => report.has_flows && commute && constant,
         BuiltIn::SexpH => commute && constant,
@@ -47,7 +46,7 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
         BuiltIn::HeunLevy => false,
         _ => true,
     };
-    BuiltIn::ALL.into_iter().filter(is_sound).filter_map(expected).collect()
+    BuiltIn::ALL.into_iter().filter(is_sound).map(expected).collect()
 }
 
 /// Statements of the paper for a system with these properties, with damping or without. Where the
@@ -55,16 +54,16 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
 /// apply.
 pub fn theorems(report: &Inspection, damped: bool, theirs: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
-    let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
+    let Inspection { structure, hamiltonians, casimirs, bound, .. } = report;
     let (shape, proportional) = (&hamiltonians.shapes[0], hamiltonians.proportional.status);
-    let found = casimirs.as_ref().is_some_and(|casimirs| !casimirs.found.is_empty());
-    let complete = casimirs.as_ref().is_some_and(|casimirs| casimirs.complete);
+    let casimirs = casimirs.as_ref();
+    let found = casimirs.is_some_and(|casimirs| !casimirs.found.is_empty());
+    let complete = casimirs.is_some_and(|casimirs| casimirs.complete);
     let each = |any: bool| match any {
         true => Yes,
         false if complete => No,
         false => Conditionally,
     };
-    let claims = invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let law = proportional.holds() && shape.degree.is_some();
     let energy = match proportional {
         Status::Fails => No,
@@ -78,8 +77,8 @@ pub fn theorems(report: &Inspection, damped: bool, theirs: bool) -> Vec<Theorem>
         Some(_) => Yes,
         None => No,
     };
-    let constant = structure.constant.holds();
     let quadratic = hamiltonians.shapes.iter().all(|h| h.minimum.is_some() || h.is_zero());
+    let solvable = structure.constant.holds() && quadratic;
     // The paper assumes that exact and numerical paths are bounded.
     let orders = if bounded == No { Conditionally } else { bounded };
     let strong = if report.noises > 1 { "strong-half" } else { "strong-one" };
@@ -92,16 +91,17 @@ pub fn theorems(report: &Inspection, damped: bool, theirs: bool) -> Vec<Theorem>
         };
         Theorem { statement, applies }
     };
-    let theorems = [
-        ("exact-conformal", each(claims || found || law)),
+    [
+        ("exact-conformal", each(report.has_claimed_casimir() || found || law)),
         ("conformal-casimir", each(found)),
         ("energy-balance", energy),
         ("moment-bound", bounded),
-        ("solvability", if constant && quadratic { Yes } else { Conditionally }),
+        ("solvability", if solvable { Yes } else { Conditionally }),
         (strong, orders),
         ("weak-one", orders),
-    ];
-    theorems.map(theorem).into()
+    ]
+    .map(theorem)
+    .into()
 }
 
 /// Recommended schemes for a system with damping or without, the scheme for paths first.
@@ -114,10 +114,12 @@ pub fn recommendations(
     let Inspection { structure, hamiltonians, casimirs, noise, .. } = report;
     // Which laws friction leaves is not looked at here.
     let sound = structure.sound() != Status::Fails && settings.friction.is_empty();
-    let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let plain = report.fields.is_some();
     let counts = |found: &FoundCasimir| !plain || found.form.degree == 2;
-    let found = casimirs.as_ref().map_or(claims, |casimirs| casimirs.found.iter().any(counts));
+    let found = match casimirs {
+        Some(casimirs) => casimirs.found.iter().any(counts),
+        None => report.has_claimed_casimir(),
+    };
     let lawful = hamiltonians.shapes.first().is_some_and(|h0| h0.degree.is_some()) || !damped;
     let kept = Conserved {
         casimirs: sound && found,

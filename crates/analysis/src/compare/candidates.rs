@@ -52,12 +52,11 @@ impl<'a> Candidates<'a> {
     ) -> Self {
         let (system, y0) = (problem.system(), problem.y0());
         let bind = |id| scheme(id, system, y0).map(|scheme| bind_owned(problem, scheme));
-        let all = Self::built_in(bind).unwrap_or_else(|error| unreachable!("{error}"));
-        let casimirs = match system.invariants()[..] {
-            [] => casimirs_around(&Compiled::new(system.clone(), y0), &y0),
-            _ => Vec::new(),
-        };
-        Self { casimirs, ..all }
+        let mut all = Self::built_in(bind).unwrap_or_else(|error| unreachable!("{error}"));
+        if system.invariants().is_empty() {
+            all.casimirs = casimirs_around(&Compiled::new(system.clone(), y0), &y0);
+        }
+        all
     }
 
     /// All [built-in schemes](BuiltIn) that `bind` makes; with Lévy areas only if it makes them and
@@ -73,19 +72,20 @@ impl<'a> Candidates<'a> {
     pub fn built_in(
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
-        let reference = bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp));
-        let explicit = |error| {
-            let levy = |_| bind(BuiltIn::HeunLevy).or_else(|_| bind(BuiltIn::Heun));
-            bind(BuiltIn::SexpLi).or_else(levy).map_err(|_| error)
-        };
-        let mut all = Self::against(reference.or_else(explicit)?);
-        for id in BuiltIn::ALL {
-            match bind(id) {
-                // The same without areas is there already.
-                Ok(scheme) if id.is_for_areas() && !scheme.about().reads_areas => {}
-                Ok(scheme) => all = all.and(scheme),
-                Err(_) => {}
+        use BuiltIn::{Heun, HeunLevy, Sexp, SexpLevy, SexpLi};
+        let reference = match bind(SexpLevy).or_else(|_| bind(Sexp)) {
+            Ok(reference) => reference,
+            Err(error) => {
+                let mut others = [SexpLi, HeunLevy, Heun].into_iter();
+                others.find_map(|id| bind(id).ok()).ok_or(error)?
             }
+        };
+        let mut all = Self::against(reference);
+        for id in BuiltIn::ALL {
+            // Without areas that it reads the same scheme is there already.
+            let new =
+                |scheme: &Arc<dyn Method + 'a>| !id.is_for_areas() || scheme.about().reads_areas;
+            all.schemes.extend(bind(id).ok().filter(new));
         }
         Ok(all)
     }

@@ -38,14 +38,9 @@ impl Comparison {
         let ratio = |one: &Candidate, other| one.ratio(other).map_or(String::new(), interval);
         let kept = self.lacks(&taken.keeps, &Keeps::default());
         let mut words = format!("keeps {}", if kept.is_empty() { "nothing" } else { &kept });
-        let cheaper = |one: &Candidate| -> bool {
-            let seconds = one.point().and_then(|point| Some(point.time?.best / point.steps as f64));
-            let Outcome::NotReached { needs } = one.outcome else { return false };
-            let pair = needs.zip(seconds).zip(taken.cost());
-            pair.is_some_and(|((steps, seconds), (cost, ..))| steps * seconds < cost)
-        };
+        let mut others = self.candidates.iter().filter_map(Candidate::extrapolated_s);
         words += &match taken == least {
-            true if self.candidates.iter().any(cheaper) => {
+            true if others.any(|other| taken.cost().is_some_and(|(cost, ..)| other < cost)) => {
                 ", and is the cheapest of those that were measured at this error".into()
             }
             true => ", and is the cheapest".into(),
@@ -74,8 +69,7 @@ impl Comparison {
             (one.energy && !other.energy, "the energy of H₀"),
             (one.conformal && !other.conformal && damping, conformal),
         ];
-        let lost = all.into_iter().filter(|(lost, _)| *lost).map(|(_, name)| name);
-        lost.collect::<Vec<_>>().join(", ")
+        all.iter().filter(|(lost, _)| *lost).map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -98,9 +92,8 @@ impl Candidate {
             (Outcome::Fails(failure), _) => error = format!("fails: {failure}"),
             (Outcome::NotReached { needs }, Some(point)) => {
                 steps = needs.map_or(format!("> {}", point.steps), about);
-                let step_s = point.time.map(|time| time.best / point.steps as f64);
-                let needed = needs.zip(step_s).zip(cheapest.and_then(Self::cost));
-                cost = needed.map_or(cost, |((n, s), least)| about(n * s / least.0));
+                let seconds = self.extrapolated_s().zip(cheapest.and_then(Self::cost));
+                cost = seconds.map_or(cost, |(needed, (least, ..))| about(needed / least));
             }
             (Outcome::Reached { steps: needed, .. }, Some(_)) => {
                 steps = format!("{:.0}", needed.ceil());
@@ -133,14 +126,11 @@ impl fmt::Display for Comparison {
         writeln!(f, "{system}: D = {dimension}, M = {noises}, T = {t_end}")?;
         let Sampled { samples, reference, steps, failed, failures, .. } = sampled;
         if *samples > 0 {
-            let error = match self.reference_error {
-                error if error.is_finite() => format!("is at most {}", number(error)),
-                _ => "does not fall yet".into(),
-            };
-            writeln!(
-                f,
-                "{samples} paths against {reference} with {steps} steps, whose error {error}"
-            )?;
+            write!(f, "{samples} paths against {reference} with {steps} steps, whose error ")?;
+            match self.reference_error {
+                error if error.is_finite() => writeln!(f, "is at most {}", number(error)),
+                _ => writeln!(f, "does not fall yet"),
+            }?;
         }
         if let Some(first) = failures.first() {
             writeln!(f, "{failed} paths failed and are left out; the first: {first}")?;
@@ -156,14 +146,14 @@ impl fmt::Display for Comparison {
             _ => None,
         };
         let rows = candidates.iter().map(|one| one.row(taken.map(|(_, cheapest)| cheapest)));
-        let rows: Vec<_> = [HEAD.map(str::to_owned).into()].into_iter().chain(rows).collect();
+        let rows: Vec<_> = [HEAD.map(String::from).into()].into_iter().chain(rows).collect();
         writeln!(f, "\n{goal}\n  {}", aligned(&rows).trim_end().replace('\n', "\n  "))?;
-        write!(f, "  ≈: extrapolated; about: limited by the error of the reference")?;
+        writeln!(f, "  ≈: extrapolated; about: limited by the error of the reference")?;
         if candidates.iter().any(|one| one.asked < self.wanted) {
             let words = "Lévy areas are better than those of a run: half of the error is asked";
-            write!(f, "\n  {words}")?;
+            writeln!(f, "  {words}")?;
         }
-        write!(f, "\n\n")?;
+        writeln!(f)?;
         match (&self.choice, taken) {
             (_, Some((taken, least))) => {
                 write!(f, "Take {} for {goal}:\n  it {}", taken.scheme, self.taken(taken, least))

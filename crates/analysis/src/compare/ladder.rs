@@ -21,7 +21,8 @@ use super::{
 };
 use crate::{
     FinalMoments, Limit, Spread, StepSizes, Stopwatch,
-    orders::{kept, single_steps, squared_distance},
+    orders::{kept, single_steps, squared_distance, state},
+    worse,
 };
 use inspect::facts::{Form, is_damped};
 
@@ -125,8 +126,7 @@ impl<'a> Climb<'a> {
             Some(_) => stop.is_asked(),
         };
         let (sampled, reference_error) = found;
-        let points = all.iter().flat_map(|one| &one.points);
-        let steps = points.map(|point| point.steps).max().unwrap_or(0);
+        let steps = all.iter().flat_map(|one| &one.points).map(|point| point.steps).max();
         let damped = is_damped(problem);
         let excluded = match reference.excluded {
             Some(Outcome::Inconsistent(defect)) => Some(Choice::WrongReference(defect)),
@@ -134,13 +134,13 @@ impl<'a> Climb<'a> {
         };
         // An explicit reference is for equations without B and H, whose damping is always exact.
         let explicit = BuiltIn::named(&sampled.reference).is_some_and(|of| of.is_explicit(false));
-        let candidate = |one: Climber<'_>| {
+        let candidates = all.into_iter().map(|one| {
             let id = one.scheme.about().id;
             let mut judged = Candidate::new(id, one.points, one.asked, one.excluded, damped);
             judged.keeps.conformal &= !explicit;
             judged
-        };
-        let candidates: Vec<Candidate> = all.into_iter().map(candidate).collect();
+        });
+        let candidates: Vec<Candidate> = candidates.collect();
         Ok(Comparison {
             system: problem.name.clone(),
             dimension: problem.y0.len(),
@@ -152,7 +152,8 @@ impl<'a> Climb<'a> {
             reference_error,
             choice: excluded.unwrap_or_else(|| choose(&candidates)),
             candidates,
-            stopped: cut.then_some(Stopped { budget_s: settings.budget_s, steps }),
+            stopped: cut
+                .then_some(Stopped { budget_s: settings.budget_s, steps: steps.unwrap_or(0) }),
             wall_s: self.start.elapsed().as_secs_f64(),
         })
     }
@@ -201,8 +202,7 @@ impl<'a> Climb<'a> {
         let mut rung = lowest.map_or(first, |lowest| lowest.max(first)) + 1;
         let (mut reference, mut last) = (rung + AHEAD, MAX_LOG_STEPS - AHEAD - self.base.ilog2());
         let climbing = |all: &[Climber<'_>]| all.iter().filter(|one| one.climbs()).count();
-        let number = climbing(all);
-        let mut samples = MIN_SAMPLES;
+        let (number, mut samples) = (climbing(all), MIN_SAMPLES);
         loop {
             for one in all.iter_mut().filter(|one| one.climbs()) {
                 one.rungs.end = one.rungs.start.max(rung + 1);
@@ -248,15 +248,16 @@ impl<'a> Climb<'a> {
             Run::new(Arc::clone(scheme), (top - rung) as usize)
         };
         let references = (0..REFERENCES as u32).map(|k| run(&candidates.reference, reference - k));
-        let schemes =
-            all.iter().flat_map(|one| one.rungs.clone().map(|rung| run(&one.scheme, rung)));
-        let runs: Vec<Run<'_>> = references.chain(schemes).collect();
+        let mut runs: Vec<Run<'_>> = references.collect();
+        for one in all {
+            runs.extend(one.rungs.clone().map(|rung| run(&one.scheme, rung)));
+        }
         let length = 2 * runs.len() - REFERENCES;
         let levels = runs.iter().map(|run| run.level).max().unwrap_or(0);
         let casimirs = defects(problem, &candidates.casimirs);
         let values = |view: &View<'_>, values: &mut [Row]| squares(view, &casimirs, values);
-        let ladder =
-            Ladder::new(problem, base << top, levels, settings.truncation, self.key(0), runs)?;
+        let (steps, truncation) = (base << top, settings.truncation);
+        let ladder = Ladder::new(problem, steps, levels, truncation, self.key(0), runs)?;
         let ladder = ladder.fitting(samples)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
         let rungs: Vec<_> = all.iter().map(|one| &one.rungs).collect();
@@ -267,7 +268,7 @@ impl<'a> Climb<'a> {
         let rms = |index: usize| moments.mean(index).sqrt();
         let of_reference = left(rms(1), root_mean_square(&moments, 0));
         let mut squares = (REFERENCES..).step_by(2);
-        let mut point = |(rung, square): (u32, usize)| {
+        let point = |(rung, square): (u32, usize)| {
             let [lo, error, hi] = root_mean_square(&moments, square);
             ErrorPoint {
                 steps: base << rung,
@@ -279,9 +280,8 @@ impl<'a> Climb<'a> {
                 time: None,
             }
         };
-        let mut points =
-            |one: &Climber<'_>| one.rungs.clone().zip(&mut squares).map(&mut point).collect();
-        let points = all.iter().map(&mut points).collect();
+        let points = all.iter().map(|one| one.rungs.clone().zip(&mut squares).map(point).collect());
+        let points = points.collect();
         let sampled = Sampled {
             samples,
             failed: measured.failed,
@@ -315,17 +315,18 @@ impl<'a> Climb<'a> {
                 paths *= 4;
                 first = seconds(paths);
             }
-            let others = (1..REPETITIONS).map(|_| seconds(paths));
-            let times = [first].into_iter().chain(others).map(|all| all / paths as f64).collect();
+            let mut times = vec![first];
+            times.extend((1..REPETITIONS).map(|_| seconds(paths)));
             if stop.is_asked() {
                 break;
             }
-            one.times.push(Spread::of(times));
+            one.times.push(Spread::of(times.iter().map(|all| all / paths as f64).collect()));
         }
         let mut step: Option<Spread> = None;
-        for (n, point) in one.points.iter_mut().enumerate() {
+        let mut times = one.times.iter().copied();
+        for point in &mut one.points {
             let steps = point.steps as f64;
-            point.time = one.times.get(n).copied().or(step.map(|step| step.scaled(steps)));
+            point.time = times.next().or(step.map(|step| step.scaled(steps)));
             step = point.time.map(|time| time.scaled(1.0 / steps));
         }
         Ok(())
@@ -340,17 +341,18 @@ type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
 fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
     let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
     let integrals: Vec<f64> = integrals.collect();
+    let mut laws = problem.laws.clone();
     // With friction those that still hold are among the laws of the problem.
-    let found =
-        found.iter().filter(|_| problem.friction.is_empty()).map(|form| form.law(String::new()));
-    let laws = problem.laws.iter().cloned().chain(found).filter(|law| law.casimir);
+    if problem.friction.is_empty() {
+        laws.extend(found.iter().map(|form| form.law(String::new())));
+    }
     let defect = |law: ConformalLaw<'a>| -> Value<'a> {
         let decay = law.decay(&integrals);
         let at_end = decay * (law.value)(&problem.y0);
         let scale = if at_end == 0.0 { decay } else { at_end };
         Box::new(move |y| ((law.value)(y) - at_end) / scale)
     };
-    laws.map(defect).collect()
+    laws.into_iter().filter(|law| law.casimir).map(defect).collect()
 }
 
 /// Writes the squared differences of the reference from itself with half and a quarter of the
@@ -359,17 +361,17 @@ fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
 fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     let distance = |a: usize, b: usize| squared_distance(view.state(a), view.state(b), view.live);
     (values[0], values[1]) = (distance(0, 1), distance(1, 2));
-    let (mut other, reference) = (view.live.paths().last().unwrap_or(0), view.state(0));
+    let mut other = view.live.paths().last().unwrap_or(0);
     for p in view.live.paths() {
-        values[2][p] = reference.iter().map(|row| (row[p] - row[other]).powi(2)).sum();
+        values[2][p] = view.state(0).iter().map(|row| (row[p] - row[other]).powi(2)).sum();
         other = p;
     }
     for (run, pair) in (REFERENCES..).zip(values[REFERENCES..].chunks_exact_mut(2)) {
         pair[0] = distance(run, 0);
         for p in view.live.paths().filter(|_| !casimirs.is_empty()) {
-            let y: Vec<f64> = view.state(run).iter().map(|row| row[p]).collect();
+            let y = state(view.state(run), p);
             let squares = casimirs.iter().map(|defect| defect(&y).powi(2));
-            pair[1][p] = squares.fold(0.0, |most, square| crate::worse(square, most));
+            pair[1][p] = squares.fold(0.0, |most, square| worse(square, most));
         }
     }
 }
@@ -378,11 +380,10 @@ fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
 /// 32 paths do not have.
 fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
     let value = squares.mean(index).sqrt();
-    let ends = match value == 0.0 {
-        true => Some((0.0, 0.0)),
-        false => root_mean_square_interval(squares, index),
-    };
-    let (lo, hi) = ends.unwrap_or((0.0, f64::INFINITY));
+    if value == 0.0 {
+        return [0.0; 3];
+    }
+    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
     [lo, value, hi]
 }
 

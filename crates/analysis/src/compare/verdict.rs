@@ -104,21 +104,20 @@ impl Candidate {
         damped: bool,
     ) -> Self {
         let outcome = excluded.unwrap_or_else(|| outcome(&points, asked));
-        let keeps = Keeps::default();
-        let mut candidate = Self { scheme: scheme.to_owned(), asked, points, outcome, keeps };
+        let (id, mut keeps) = (scheme.to_owned(), Keeps::default());
+        let candidate = Self { scheme: id, asked, points, outcome, keeps };
         let defect = candidate.point().and_then(|point| point.defect);
-        let casimirs = defect.is_some_and(|defect| defect <= KEPT);
-        candidate.keeps.casimirs = casimirs;
+        keeps.casimirs = defect.is_some_and(|defect| defect <= KEPT);
         if let Some(scheme) = BuiltIn::named(scheme) {
             let Properties { explicit, exact_damping, energy, .. } = scheme.properties();
-            let conformal = match explicit {
+            keeps.energy = energy == Energy::Kept;
+            keeps.conformal = match explicit {
                 Explicitness::Always => false,
-                Explicitness::WhereConstant => damped || casimirs,
+                Explicitness::WhereConstant => damped || keeps.casimirs,
                 Explicitness::No => exact_damping || !damped,
             };
-            candidate.keeps = Keeps { casimirs, energy: energy == Energy::Kept, conformal };
         }
-        candidate
+        Self { keeps, ..candidate }
     }
 
     /// Measured point next to the wanted error, or the last one.
@@ -129,6 +128,13 @@ impl Candidate {
             // Without a resolved point, the distance from a reference that is wrong as well.
             _ => resolved.next_back().or(self.points.last()),
         }
+    }
+
+    /// Seconds that the wanted error would cost, extrapolated, where it is not reached.
+    pub(super) fn extrapolated_s(&self) -> Option<f64> {
+        let Outcome::NotReached { needs } = self.outcome else { return None };
+        let point = self.point()?;
+        Some(needs? * (point.time?.best / point.steps as f64))
     }
 
     /// Cost in seconds with the ends of its interval, if the error is reached.
@@ -155,11 +161,11 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
         return Outcome::NotMeasured;
     };
     let at = |of: fn(&ErrorPoint, Spread) -> [f64; 2]| {
-        let row = |point: &&ErrorPoint| {
+        let rows = resolved.iter().filter_map(|point| {
             let [error, seconds] = of(point, point.time?);
             Some([error, point.steps as f64, seconds])
-        };
-        cost(resolved.iter().filter_map(row).collect(), wanted)
+        });
+        cost(rows.collect(), wanted)
     };
     if let Some((steps, cost_s)) = at(|point, time| [point.error, time.best]) {
         let cost_lo = at(|point, time| [point.lo, time.best]).map_or(0.0, |lo| lo.1.min(cost_s));
@@ -187,9 +193,8 @@ fn cost(mut rows: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     }
     // Errors of zero have no logarithm.
     rows.retain(|[error, _, cost]| error.min(*cost) > 0.0);
-    let mut pairs = rows.windows(2).rev();
-    let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
-    let (a, b) = (pair[0], pair[1]);
+    let mut pairs = rows.windows(2).rev().map(|pair| (pair[0], pair[1]));
+    let (a, b) = pairs.find(|(a, b)| b[0] <= wanted && wanted <= a[0])?;
     let share = if a[0] == b[0] { 1.0 } else { ln(wanted / a[0]) / ln(b[0] / a[0]) };
     let between = |k: usize| a[k] * powf(b[k] / a[k], share);
     Some((between(1), between(2)))

@@ -15,7 +15,11 @@ use noise::{StepNoise, WienerRows};
 use real::{PathMask, WIDTH, elementary::log2};
 use schemes::Step;
 
-use super::{Limit, StepSizes, one_step::Steps, runs::Visit};
+use super::{
+    Limit, StepSizes,
+    one_step::Steps,
+    runs::{Visit, state},
+};
 
 /// Number of paths whose states single steps start from.
 pub const VISITS: usize = 64;
@@ -42,9 +46,11 @@ pub fn consistency(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit], law: 
     if demand("coefficients", 8.0 * numbers).is_err() {
         return Limit::Unchecked;
     }
-    let of = |visit| Known { visit, at: (setup.problem.coefficients)(visit.t, &visit.state) };
-    let visits = visits.iter().take(VISITS).map(of);
-    let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(setup));
+    let known = visits.iter().take(VISITS).map(|visit| {
+        let at = (setup.problem.coefficients)(visit.t, &visit.state);
+        Known { visit, at }
+    });
+    let (visits, mut steps) = (known.collect::<Vec<_>>(), Steps::new(setup));
     let t_end = setup.problem.t_end;
     let coarsest = t_end / sizes.coarsest_steps as f64;
     let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
@@ -79,9 +85,8 @@ struct Error {
 
 /// Whether errors vanish as τ → 0, from those above rounding.
 fn vanishes(errors: &[Error]) -> Limit {
-    let shown =
-        errors.iter().map_while(|error| (error.value > SHOWN * error.floor).then_some(error.value));
-    let shown: Vec<f64> = shown.collect();
+    let shown = errors.iter().take_while(|error| error.value > SHOWN * error.floor);
+    let shown: Vec<f64> = shown.map(|error| error.value).collect();
     // |Eδ|/τ and (E|δ|²/τ)^½ with τ a quarter as large.
     let exponents: Vec<f64> = shown.windows(2).map(|pair| 0.5 * log2(pair[0] / pair[1])).collect();
     match (&shown[..], &exponents[..]) {
@@ -126,8 +131,8 @@ fn errors(
     let noises = steps.setup.problem.noises;
     let (mut sums, mut failed) = ([0.0; 6], 0);
     // Normal increments, then signs.
-    let signed = signs(noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect());
-    let mut increments: Vec<Vec<f64>> = std::iter::once(Vec::new()).chain(signed).collect();
+    let mut increments = vec![Vec::new()];
+    increments.extend(signs(noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect()));
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let mut normals = StepNoise::zero(noises);
         let mut wiener = WienerRows::new(sizes.key, block * WIDTH as u64);
@@ -136,7 +141,7 @@ fn errors(
             if sizes.stop.is_asked() {
                 return None;
             }
-            increments[0] = normals.increments.iter().map(|row| row[p]).collect();
+            increments[0] = state(&normals.increments, p);
             match squares(steps, known, tau, &increments) {
                 Some(found) => sums.iter_mut().zip(found).for_each(|(sum, x)| *sum += x),
                 None => failed += 1,
@@ -163,31 +168,30 @@ fn squares(
 ) -> Option<[f64; 6]> {
     let (problem, b) = (&steps.setup.problem, &at.noises);
     let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
-    let coefficient = |i: usize| at.drift[i] + at.correction[i] - step.rate_at_start * y[i];
-    let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
+    let of_all = |of: &dyn Fn(usize) -> f64| (0..y.len()).map(of).collect::<Vec<f64>>();
+    let a = of_all(&|i| at.drift[i] + at.correction[i] - step.rate_at_start * y[i]);
     let changes = changes(steps, &step, y, increments)?;
     // δ of each step.
-    let error = |(change, dw): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+    let errors = changes.iter().zip(increments).map(|(change, dw)| {
         let of_noise = |i: usize| b.iter().zip(dw).map(|(b, dw)| b[i] * dw).sum::<f64>();
-        (0..y.len()).map(|i| change[i] - (a[i] * tau + of_noise(i))).collect()
-    };
-    let errors: Vec<Vec<f64>> = changes.iter().zip(increments).map(error).collect();
+        of_all(&|i| change[i] - (a[i] * tau + of_noise(i)))
+    });
+    let errors: Vec<Vec<f64>> = errors.collect();
     if errors.iter().flatten().any(|error| !error.is_finite()) {
         return None;
     }
-    let (number, all) = ((changes.len() - 1) as f64, 0..y.len());
-    let mean = |i: usize| errors[1..].iter().map(|error| error[i]).sum::<f64>() / number;
+    let number = (changes.len() - 1) as f64;
+    let mean = of_all(&|i| errors[1..].iter().map(|error| error[i]).sum::<f64>() / number);
     let wrong = |i: usize, j: usize| {
         let product = changes[1..].iter().map(|change| change[i] * change[j]).sum::<f64>();
         product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
     };
     let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-    let row = |i: usize| all.clone().map(|j| wrong(i, j).powi(2)).sum::<f64>();
+    let rows = of_all(&|i| square(&of_all(&|j| wrong(i, j))));
     let (size, noises, t_end) = (square(y), square(&b.concat()), problem.t_end);
-    let drift = square(&all.clone().map(mean).collect::<Vec<_>>());
-    let covariance = all.clone().map(row).sum();
     let motion = square(&a) * t_end * t_end + noises * t_end;
-    Some([drift, square(&errors[0]), covariance, motion, size, size * noises])
+    let covariance = rows.iter().sum();
+    Some([square(&mean), square(&errors[0]), covariance, motion, size, size * noises])
 }
 
 /// Changes Δy in steps from y on the given increments; `None` if a step fails.
@@ -206,8 +210,9 @@ fn changes(
         if live != PathMask::first(increments.len()) {
             return None;
         }
-        let change = |p: usize| y.iter().zip(end).map(|(y, end)| end[p] - y).collect();
-        changes.extend((0..increments.len()).map(change));
+        for p in 0..increments.len() {
+            changes.push(y.iter().zip(end).map(|(y, end)| end[p] - y).collect());
+        }
     }
     Some(changes)
 }

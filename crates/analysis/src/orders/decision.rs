@@ -98,8 +98,7 @@ pub fn weak(
         return Decision::Order { order: f64::from(order), shown: order == 1 };
     }
     let percent = 100.0 * share;
-    let because = format!("a lower order may have {percent:.0} % of the last difference");
-    undecided(More::Paths, because)
+    undecided(More::Paths, format!("a lower order may have {percent:.0} % of the last difference"))
 }
 
 fn not_asymptotic() -> Decision {
@@ -146,14 +145,18 @@ impl fmt::Display for Order {
         if let Some(rate) = rate.as_ref().filter(|_| *decision != Decision::Kept) {
             write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
         }
-        if let Decision::Order { shown: false, .. } = decision {
-            match one_step {
-                Some(OneStep { tau, amplification: times, .. }) => {
-                    write!(f, "; shown by one step at τ = {tau:.0e} and {times} times the noise")
-                }
-                None => f.write_str("; a lower order may have a tenth of the last difference"),
-            }?;
-        }
+        match (decision, one_step) {
+            (Decision::Order { shown: false, .. }, Some(OneStep { tau, amplification, .. })) => {
+                write!(
+                    f,
+                    "; shown by one step at τ = {tau:.0e} and {amplification} times the noise"
+                )
+            }
+            (Decision::Order { shown: false, .. }, None) => {
+                write!(f, "; a lower order may have a tenth of the last difference")
+            }
+            _ => Ok(()),
+        }?;
         match limit {
             Limit::Consistent { defect } => write!(f, "; right in one step to {defect:.0e}"),
             Limit::Inconsistent { defect } => write!(f, "; wrong in one step by {defect:.0e}"),
@@ -161,11 +164,11 @@ impl fmt::Display for Order {
                 write!(f, "; at most {distance:.1e} from the reference")
             }
             Limit::Differs { distance } => write!(f, "; {distance:.1e} from the reference"),
-            Limit::Unchecked => f.write_str("; its limit was not compared"),
+            Limit::Unchecked => write!(f, "; its limit was not compared"),
         }?;
-        match failed {
-            0 => Ok(()),
-            _ => write!(f, "; {failed} paths failed and are left out"),
+        if *failed > 0 {
+            write!(f, "; {failed} paths failed and are left out")?;
         }
+        Ok(())
     }
 }

@@ -36,10 +36,8 @@ pub use decision::{Decision, More};
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{Exact, squared_distance, strong_order, weak_order};
-pub use referee::{
-    Claims, Judged, Law, LevelNoise, Referee, SolverStates, VISITS, Verdict, Verdicts,
-};
-pub(crate) use runs::kept;
+pub use referee::*;
+pub(crate) use runs::{kept, state};
 pub use step_sizes::StepSizes;
 
 /// Order of one scheme, with the measurements behind it.
@@ -81,6 +79,8 @@ pub(crate) fn single_steps(
     sizes: &StepSizes,
 ) -> Result<Result<Limit, String>, LadderError> {
     let (visits, failure) = runs::visits(setup, sizes, consistency::VISITS as u64)?;
-    let limit = || consistency::consistency(setup, sizes, &visits, false);
-    Ok(failure.map_or_else(|| Ok(limit()), |failure| Err(failure.to_string())))
+    Ok(match failure {
+        Some(failure) => Err(failure.to_string()),
+        None => Ok(consistency::consistency(setup, sizes, &visits, false)),
+    })
 }

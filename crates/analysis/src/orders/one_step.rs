@@ -47,10 +47,9 @@ impl OneStep {
     /// With the order of the mean, from squares |Eδ|², where it tells two orders apart.
     #[must_use]
     pub fn with_mean(self, t_end: f64, sizes: &StepSizes, squares_of: &mut SquaresOf<'_>) -> Self {
-        match self.order == OF_CUBATURE {
-            true => Self { mean: least_order(t_end, sizes, squares_of).map(|q| q.order), ..self },
-            false => self,
-        }
+        let unknown = self.order == OF_CUBATURE;
+        let mean = unknown.then(|| least_order(t_end, sizes, squares_of)).flatten();
+        Self { mean: mean.map(|q| q.order), ..self }
     }
 }
 
@@ -84,11 +83,8 @@ pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Optio
     }
     let none = setup.scheme.no_noise(noises);
     Some(found.with_mean(t_end, sizes, &mut |tau, amplifications| {
-        let mean = |&factor: &f64| {
-            let nodes = nodes(&none, 0.5 * tau * factor * factor);
-            mean_square(&mut steps, visits, tau, &nodes)
-        };
-        amplifications.iter().map(mean).collect()
+        let variances = amplifications.iter().map(|factor| 0.5 * tau * factor * factor);
+        variances.map(|of| mean_square(&mut steps, visits, tau, &nodes(&none, of))).collect()
     }))
 }
 
@@ -97,18 +93,20 @@ pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Optio
 fn cubature(n: usize) -> Vec<(Vec<f64>, f64)> {
     let size = n as f64 + 2.0;
     let mut nodes = vec![(vec![0.0; n], 2.0 / size)];
+    let mut push = |places: &[(usize, f64)], weight: f64| {
+        let mut at = vec![0.0; n];
+        places.iter().for_each(|&(i, x)| at[i] = x);
+        nodes.push((at, weight));
+    };
+    let (far, near) = (size.sqrt(), (0.5 * size).sqrt());
     for i in 0..n {
-        for sign in [-1.0, 1.0] {
-            let mut at = vec![0.0; n];
-            at[i] = sign * size.sqrt();
-            nodes.push((at, (4.0 - n as f64) / (2.0 * size * size)));
+        for x in [-far, far] {
+            push(&[(i, x)], (4.0 - n as f64) / (2.0 * size * size));
         }
-        for (j, [a, b]) in (0..i).flat_map(|j| {
-            [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(move |signs| (j, signs))
-        }) {
-            let mut at = vec![0.0; n];
-            (at[i], at[j]) = (a * (0.5 * size).sqrt(), b * (0.5 * size).sqrt());
-            nodes.push((at, 1.0 / (size * size)));
+        for j in 0..i {
+            for [a, b] in [[-near, -near], [-near, near], [near, -near], [near, near]] {
+                push(&[(i, a), (j, b)], 1.0 / (size * size));
+            }
         }
     }
     nodes
@@ -119,20 +117,22 @@ fn cubature(n: usize) -> Vec<(Vec<f64>, f64)> {
 pub fn nodes(none: &StepNoise, variance: f64) -> Vec<([StepNoise; 2], Vec<f64>)> {
     let noises = none.increments.len();
     let of_half = noises + none.space_time.len();
-    let block = |nodes: &[(Vec<f64>, f64)]| {
+    let nodes = cubature(2 * of_half);
+    let blocks = nodes.chunks(WIDTH).map(|nodes| {
         let mut halves = [none.clone(), none.clone()];
         for (p, (at, _)) in nodes.iter().enumerate() {
             for (noise, at) in halves.iter_mut().zip(at.chunks(of_half)) {
-                let (dw, h) = at.split_at(noises);
-                let rows = noise.increments.iter_mut().zip(dw);
-                rows.for_each(|(row, x)| row[p] = variance.sqrt() * x);
-                let rows = noise.space_time.iter_mut().zip(h);
-                rows.for_each(|(row, x)| row[p] = (variance / 12.0).sqrt() * x);
+                for (row, x) in noise.increments.iter_mut().zip(at) {
+                    row[p] = variance.sqrt() * x;
+                }
+                for (row, x) in noise.space_time.iter_mut().zip(&at[noises..]) {
+                    row[p] = (variance / 12.0).sqrt() * x;
+                }
             }
         }
         (halves, nodes.iter().map(|(_, weight)| *weight).collect())
-    };
-    cubature(2 * of_half).chunks(WIDTH).map(block).collect()
+    });
+    blocks.collect()
 }
 
 /// Means of |Eδ|² and of |y|² over states.
@@ -142,17 +142,12 @@ fn mean_square(
     tau: f64,
     nodes: &[([StepNoise; 2], Vec<f64>)],
 ) -> (f64, f64) {
-    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-    for visit in visits.iter().take(FEW_VISITS) {
-        let mut mean = vec![0.0_f64; visit.state.len()];
+    mean_squares(visits.iter().take(FEW_VISITS).filter_map(|visit| {
+        let mut mean = vec![0.0; visit.state.len()];
         for (noises, weights) in nodes {
-            for (to, from) in steps.noises.iter_mut().zip(noises) {
-                (0..WIDTH).for_each(|p| to.copy_path(p, from, p));
-            }
-            let Some(OneAndTwo { one, two, live }) = steps.one_and_two(visit, tau, weights.len())
-            else {
-                continue;
-            };
+            steps.noises.iter_mut().zip(noises).for_each(|(to, from)| to.copy_from(from));
+            let ends = steps.one_and_two(visit, tau, weights.len());
+            let Some(OneAndTwo { one, two, live }) = ends else { continue };
             for (p, weight) in weights.iter().enumerate() {
                 // A path that fails leaves no mean.
                 let weight = if live.contains(p) { *weight } else { f64::NAN };
@@ -160,11 +155,23 @@ fn mean_square(
                 rows.for_each(|((mean, one), two)| *mean += weight * (one[p] - two[p]));
             }
         }
-        if mean.iter().all(|x| x.is_finite()) {
-            square += square_of(mean.into_iter());
-            size += square_of(visit.state.iter().copied());
-            count += 1.0;
-        }
+        difference(&mean, &visit.state)
+    }))
+}
+
+/// |δ|² and |y|² of a difference and a state, if they are finite.
+pub fn difference(delta: &[f64], y: &[f64]) -> Option<(f64, f64)> {
+    let square = |x: &[f64]| x.iter().map(|x| x * x).sum();
+    delta.iter().chain(y).all(|x| x.is_finite()).then(|| (square(delta), square(y)))
+}
+
+/// Means of |δ|² and |y|²; NaN if there are none.
+pub fn mean_squares(squares: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
+    for (of_difference, of_state) in squares {
+        square += of_difference;
+        size += of_state;
+        count += 1.0;
     }
     (square / count, size / count)
 }
@@ -205,21 +212,15 @@ pub fn least_order(
             break;
         }
     }
-    let clear = |(squares, amplification): (&Vec<(f64, f64)>, f64)| {
+    let clear = squares.iter().zip(AMPLIFICATIONS).filter_map(|(squares, amplification)| {
+        let &[(_, first), (_, second), (tau, third)] = squares.last_chunk()?;
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
-        let exponent = |pair: &[(f64, f64)]| 0.25 * log2(pair[0].1 / pair[1].1);
-        let exponents: Vec<f64> = squares.windows(2).map(exponent).collect();
-        let (&[before, last], (tau, _)) = (exponents.last_chunk()?, squares.last()?);
+        let [before, last] = [first / second, second / third].map(|ratio| 0.25 * log2(ratio));
         let order = 0.5 * (2.0 * last).round();
         let near = [before, last].iter().all(|q| (q - order).abs() < TOLERANCE);
-        near.then_some(OneStep { order, tau: *tau, amplification, mean: None })
-    };
-    let all = squares.iter().zip(AMPLIFICATIONS).filter_map(clear);
-    all.min_by(|a, b| a.order.total_cmp(&b.order)).filter(|step| step.order > 0.0)
-}
-
-fn square_of(x: impl Iterator<Item = f64>) -> f64 {
-    x.map(|x| x * x).sum()
+        near.then_some(OneStep { order, tau, amplification, mean: None })
+    });
+    clear.min_by(|a, b| a.order.total_cmp(&b.order)).filter(|step| step.order > 0.0)
 }
 
 /// Means of |δ|² and |y|² for each factor of the noise, over the steps that succeed; NaN if none
@@ -232,28 +233,28 @@ fn differences(
     amplifications: &[f64],
 ) -> Vec<(f64, f64)> {
     let setup = steps.setup;
-    let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
+    let none = setup.scheme.no_noise(setup.problem.noises);
+    let mut squares = vec![Vec::new(); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
-        let first_path = block * WIDTH as u64;
-        let none = setup.scheme.no_noise(setup.problem.noises);
-        let draw = |&factor: &f64| two_steps(&none, key, first_path, 0.5 * tau, factor);
-        let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
+        let noises = amplifications
+            .iter()
+            .map(|factor| two_steps(&none, key, block * WIDTH as u64, 0.5 * tau, *factor));
+        let drawn: Vec<[StepNoise; 2]> = noises.collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
                 let noises = steps.noises.iter_mut().zip(drawn);
                 noises.for_each(|(to, from)| to.copy_path(lane, from, p));
             }
-            let Some(ends) = steps.one_and_two(visit, tau, drawn.len()) else { continue };
-            let OneAndTwo { one, two, live } = ends;
+            let ends = steps.one_and_two(visit, tau, drawn.len());
+            let Some(OneAndTwo { one, two, live }) = ends else { continue };
             for lane in live.paths() {
-                let (square, size, count) = &mut sums[lane];
-                *square += square_of(one.iter().zip(two).map(|(one, two)| one[lane] - two[lane]));
-                *size += square_of(two.iter().map(|row| row[lane]));
-                *count += 1.0;
+                let square = |x: f64| x * x;
+                let errors = one.iter().zip(two).map(|(one, two)| square(one[lane] - two[lane]));
+                squares[lane].push((errors.sum(), two.iter().map(|row| square(row[lane])).sum()));
             }
         }
     }
-    sums.into_iter().map(|(square, size, count)| (square / count, size / count)).collect()
+    squares.into_iter().map(|squares| mean_squares(squares.into_iter())).collect()
 }
 
 /// The noise of two steps τ of 32 paths, times a factor, with the areas that `none` has. Lévy areas
@@ -267,10 +268,9 @@ pub fn two_steps(
     factor: f64,
 ) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
-    let noises = none.increments.len();
-    let areas = (!none.areas.is_empty()).then(|| AreaSampler::new(key, first_path, noises, 1));
-    let (mut areas, beside) = (areas, key.beside(Purpose::SpaceTimeAreas));
-    let mut space_time = WienerRows::new(beside, first_path);
+    let mut space_time = WienerRows::new(key.beside(Purpose::SpaceTimeAreas), first_path);
+    let sampler = || AreaSampler::new(key, first_path, none.increments.len(), 1);
+    let mut areas = (!none.areas.is_empty()).then(sampler);
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
@@ -350,16 +350,16 @@ impl<'a> Steps<'a> {
         let n = (visit.t / tau).round() as u64;
         let damping = self.setup.problem.damping;
         let step = |n: u64, tau: f64| Step::new(damping, n, tau).ok();
-        let (whole, first) = (step(n, tau)?, step(2 * n, 0.5 * tau)?);
-        let second = step(2 * n + 1, 0.5 * tau)?;
-        (0..WIDTH).for_each(|p| self.both.copy_path(p, &self.noises[0], p));
+        let whole = step(n, tau)?;
+        let halves = [step(2 * n, 0.5 * tau)?, step(2 * n + 1, 0.5 * tau)?];
+        self.both.copy_from(&self.noises[0]);
         self.both.join(&self.noises[1]);
         let (mut live, mut status) = (PathMask::first(count), BlockStatus::explicit());
         self.set(&visit.state, PathMask::ALL);
         self.state.step(&whole, &self.both, &mut status);
         self.one.copy_from_slice(self.state.state());
         self.set(&visit.state, PathMask::ALL);
-        for (k, half) in [first, second].iter().enumerate() {
+        for (k, half) in halves.iter().enumerate() {
             live = live.without(status.failed);
             // More steps of a path that failed, which may hold anything, would only cost time.
             self.take_noise(status.failed);

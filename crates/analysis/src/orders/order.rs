@@ -90,17 +90,18 @@ fn once(
     let (number, one_more) = (sizes.sizes(), usize::from(observable.is_some()));
     sizes.check(4 + one_more)?;
     let values = |view: &View<'_>, numbers: &mut [Row]| {
-        let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
-        let Some(observable) = observable else {
-            let squares = states.windows(2).map(|y| squared_distance(y[0], y[1], view.live));
-            return numbers.iter_mut().zip(squares).for_each(|(number, square)| *number = square);
-        };
         // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
         let solution = exact.map(|exact| exact.rows(view, setup.problem.y0.len()));
-        let states = states.into_iter().chain(solution.as_deref());
-        let phi: Vec<Row> = states.map(|y| observable.values(y, view.live)).collect();
-        for (number, pair) in numbers.iter_mut().zip(phi.windows(2)) {
-            *number = std::array::from_fn(|p| pair[0][p] - pair[1][p]);
+        let states = (0..view.runs()).map(|run| view.state(run)).chain(solution.as_deref());
+        if let Some(observable) = observable {
+            let phi: Vec<Row> = states.map(|y| observable.values(y, view.live)).collect();
+            for (number, pair) in numbers.iter_mut().zip(phi.windows(2)) {
+                *number = std::array::from_fn(|p| pair[0][p] - pair[1][p]);
+            }
+        } else {
+            for (number, y) in numbers.iter_mut().zip(states.collect::<Vec<_>>().windows(2)) {
+                *number = squared_distance(y[0], y[1], view.live);
+            }
         }
     };
     let measured = |samples| {
@@ -170,11 +171,10 @@ pub fn weak(
     }
     let rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
     let share = |order| lower_share(taus, &means, &covariance, order, against);
-    let decision = match decision::weak(rate.as_ref(), share, limit) {
-        Decision::WrongLimit => Decision::WrongLimit,
-        _ if decision::kept(fitted, steps, size) => Decision::Kept,
-        decision => decision,
-    };
+    let mut decision = decision::weak(rate.as_ref(), share, limit);
+    if decision != Decision::WrongLimit && decision::kept(fitted, steps, size) {
+        decision = Decision::Kept;
+    }
     Order { points: mean_points(taus, fitted), rate, one_step: None, limit, decision, failed: 0 }
 }
 
@@ -194,27 +194,27 @@ impl Order {
 
 /// Squared distances |y − x|² of the live paths.
 pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
-    let mut square = [0.0; WIDTH];
+    let mut squares = [0.0; WIDTH];
     for p in live.paths() {
-        square[p] = y.iter().zip(x).map(|(y, x)| (y[p] - x[p]) * (y[p] - x[p])).sum();
+        squares[p] = y.iter().zip(x).map(|(y, x)| (y[p] - x[p]).powi(2)).sum();
     }
-    square
+    squares
 }
 
 /// Points of the means with normal intervals.
 fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
-    let point = |(l, &tau): (usize, &f64)| {
+    let points = taus.iter().enumerate().map(|(l, &tau)| {
         let (value, se) = (moments.mean(l), moments.standard_error(l));
         let [lo, hi] = [-1.96, 1.96].map(|reach| Some(value + reach * se));
         Point::Error { tau, value, se, lo, hi, warning: None }
-    };
-    taus.iter().enumerate().map(point).collect()
+    });
+    points.collect()
 }
 
 /// Errors at all step sizes: sums of the differences from each on, the last one from the solution.
 fn errors(sizes: usize, moments: &CrossMoments) -> CrossMoments {
-    let row = |l: usize| (0..sizes).map(|k| f64::from(u8::from(k >= l))).collect();
-    moments.combined(&(0..sizes).map(row).collect::<Vec<Vec<f64>>>())
+    let rows = (0..sizes).map(|l| (0..sizes).map(|k| f64::from(u8::from(k >= l))).collect());
+    moments.combined(&rows.collect::<Vec<_>>())
 }
 
 /// An exact solution at the final time, a function of a random time ([`TimeChange`]).

@@ -6,7 +6,7 @@ use mc::{
     parts::{Job, Stop},
 };
 
-use real::golden;
+use real::{Row, golden};
 
 use super::{
     Limit, Order, StepSizes,
@@ -53,10 +53,9 @@ pub fn kept<T: Kept>(
 
 /// Undecided order where `failed` of all `paths` failed: the others say little about the scheme.
 pub fn failing(failures: &[PathFailure], [failed, paths]: [u64; 2]) -> Order {
-    let t = failures.first().map_or(0.0, |first| first.step as f64 * first.tau);
+    let t = number(failures.first().map_or(0.0, |first| first.step as f64 * first.tau));
     let because = format!(
-        "{failed} of {paths} paths failed, the first at t = {}, where the solution may end",
-        number(t)
+        "{failed} of {paths} paths failed, the first at t = {t}, where the solution may end"
     );
     let (decision, limit) = (undecided(More::Steps, because), Limit::Unchecked);
     Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
@@ -78,25 +77,24 @@ pub fn visits(
 ) -> Result<(Vec<Visit>, Option<PathFailure>), LadderError> {
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let ladder = sizes.ladder(setup, steps, 0, paths)?;
-    let tau = ladder.tau(0);
     let visit = |view: &View<'_>, p: usize| {
         let fraction = golden((view.first_path + p as u64) as f64);
         let time = (1 + (fraction * steps as f64) as u64).min(steps);
-        let t = time as f64 * tau;
-        (time == view.time).then(|| Visit { t, state: state(view, 0, p) })
+        let t = time as f64 * ladder.tau(0);
+        (time == view.time).then(|| Visit { t, state: state(view.state(0), p) })
     };
     let new = || Collected { of: &visit, found: Vec::new() };
     let measured = ladder.run_until(&sizes.stop, 0, paths, new);
     let mut visits = measured.statistic.found;
     if visits.is_empty() {
-        visits.push(Visit { t: 0.0, state: setup.start().iter().map(|row| row[0]).collect() });
+        visits.push(Visit { t: 0.0, state: state(&setup.start(), 0) });
     }
     Ok((visits, measured.failures.into_iter().next()))
 }
 
-/// The state of path `p` of a block in a run.
-pub fn state(view: &View<'_>, run: usize, p: usize) -> Vec<f64> {
-    view.state(run).iter().map(|row| row[p]).collect()
+/// The state of path `p` of a block.
+pub fn state(rows: &[Row], p: usize) -> Vec<f64> {
+    rows.iter().map(|row| row[p]).collect()
 }
 
 /// Collector of the values that `of` gives for live paths p of a block.

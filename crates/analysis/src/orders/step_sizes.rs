@@ -105,12 +105,11 @@ impl StepSizes {
     /// Message if the finest steps do not resolve the damping or H(t).
     pub(super) fn unresolved(&self, setup: &Setup<'_>) -> Option<String> {
         let damping = DampingResolution::new(setup, self.coarsest_steps);
-        let damping = damping.unresolved(self.sizes() - 1);
-        let damping = damping.map(|by| format!("the steps resolve the damping to {by:.1e} only"));
-        damping.or_else(|| {
-            let t = DriveResolution::new(&setup.problem).unresolved(self.reference_steps())?;
-            Some(format!("the steps do not resolve H(t) near t = {t:.4}"))
-        })
+        if let Some(by) = damping.unresolved(self.sizes() - 1) {
+            return Some(format!("the steps resolve the damping to {by:.1e} only"));
+        }
+        let t = DriveResolution::new(&setup.problem).unresolved(self.reference_steps())?;
+        Some(format!("the steps do not resolve H(t) near t = {t:.4}"))
     }
 
     /// Rejects sizes without a step, with fewer than `from` step sizes, or with too many of either.
@@ -119,8 +118,9 @@ impl StepSizes {
         if self.levels == 0 || !(from..=MAX_SIZES).contains(&given) {
             return Err(LadderError::StepSizes { given, from, to: MAX_SIZES });
         }
-        if self.coarsest_steps == 0 || self.coarsest_steps.leading_zeros() <= self.level(0) as u32 {
-            return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });
+        let steps = self.coarsest_steps;
+        if steps == 0 || steps.leading_zeros() <= self.level(0) as u32 {
+            return Err(LadderError::Steps { steps, multiple_of: 1 });
         }
         Ok(())
     }

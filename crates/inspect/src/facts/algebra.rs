@@ -2,6 +2,8 @@
 
 use real::elementary::{exp, ln};
 
+use super::ZERO;
+
 /// Matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;
 
@@ -46,14 +48,11 @@ pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-pub fn times(matrix: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
-    matrix.iter().map(|row| dot(row, v)).collect()
-}
-
 /// The product of two matrices.
 pub fn multiplied(a: &Matrix, b: &Matrix) -> Matrix {
     let columns = transposed(b);
-    a.iter().map(|row| times(&columns, row)).collect()
+    let times = |row: &Vec<f64>| columns.iter().map(|column| dot(column, row)).collect();
+    a.iter().map(times).collect()
 }
 
 /// The spectral radius by Gelfand's formula ρ = lim ‖Aᵏ‖^{1/k} with k = 2^squarings, to the factor
@@ -97,33 +96,37 @@ pub fn null_space(mut rows: Matrix, unknowns: usize, zero: f64) -> (Matrix, f64)
         let rank = pivots.len();
         let places = (rank..rows.len()).flat_map(|i| (0..unknowns).map(move |j| (i, j)));
         let size = |(i, j): (usize, usize)| rows[i][j].abs();
-        let Some(place) = places.max_by(|a, b| size(*a).total_cmp(&size(*b)).then(b.cmp(a))) else {
-            break;
-        };
-        let pivot = rows[place.0][place.1];
+        let place = places.max_by(|a, b| size(*a).total_cmp(&size(*b)).then(b.cmp(a)));
+        let Some((i, j)) = place else { break };
+        let pivot = rows[i][j];
         if pivot.is_nan() || pivot.abs() <= zero {
             break;
         }
         least = least.min(pivot.abs());
-        rows.swap(rank, place.0);
+        rows.swap(rank, i);
         rows[rank].iter_mut().for_each(|x| *x /= pivot);
         let pivot_row = rows[rank].clone();
         for (k, row) in rows.iter_mut().enumerate() {
-            let factor = row[place.1];
+            let factor = row[j];
             if k != rank && factor != 0.0 {
                 row.iter_mut().zip(&pivot_row).for_each(|(x, p)| *x -= factor * p);
-                row[place.1] = 0.0;
+                row[j] = 0.0;
             }
         }
-        pivots.push(place.1);
+        pivots.push(j);
     }
-    let solution = |free: usize| {
+    let solutions = (0..unknowns).filter(|j| !pivots.contains(j)).map(|free| {
         let mut x = axis(unknowns, free);
         pivots.iter().zip(&rows).for_each(|(&pivot, row)| x[pivot] = -row[free]);
         x
-    };
-    let free = (0..unknowns).filter(|j| !pivots.contains(j));
-    (free.map(solution).collect(), least)
+    });
+    (solutions.collect(), least)
+}
+
+/// The rank of a matrix with `unknowns` columns: pivots up to 10⁻⁹ of the largest entry are zero.
+pub fn rank(matrix: Matrix, unknowns: usize) -> usize {
+    let zero = ZERO * largest(matrix.iter().flatten());
+    unknowns - null_space(matrix, unknowns, zero).0.len()
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use serde::Serialize;
 use systems::run_time::System;
 
 use super::{
-    Batch, Probe, Term, Values, ZERO, axis, dot, largest, lengths, moved, norm, null_space, seen,
-    share, slopes,
+    Batch, Probe, Term, Values, ZERO, axis, combined, dot, largest, lengths, moved, norm, rank,
+    seen, share, slopes, sum,
 };
 
 /// Stationary densities of a system under damping and noise.
@@ -33,32 +33,28 @@ impl Bath {
     /// Computes the stationary densities of a system; its components have constant damping `rates`.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
         let (mut probe, mut states) = seen(system, y0);
-        let bathed = probe.description().has_bath;
+        let description = probe.description;
+        let (bathed, of_formulas) = (description.has_bath, !description.joined.is_empty());
         // Of formulas the law holds on all leaves, of a lattice on that of the initial value.
-        if bathed && probe.description().joined.is_empty() {
+        if bathed && !of_formulas {
             states.iter_mut().for_each(|y| scale_spins(y, y0));
         }
-        let d = y0.len();
         let drift = probe.field(&states, &probe.weights(0));
-        let drift_divergence = divergence(&mut probe, 0, &states);
         let slope = probe.gradient(&states, &probe.weights(0));
+        let divergences = divergence(&mut probe, 0, &states);
+        let power = match bathed {
+            true => along(&mut probe, &states, &drift, &energies),
+            false => vec![0.0; states.len()],
+        };
+        let of_drift = |n: usize| {
+            let friction = (0..y0.len()).map(|i| -rates[i] * states[n][i] * slope[n][i]);
+            let a = sum([-divergences[n]].into_iter().chain(rates.iter().copied()));
+            [a, sum([power[n]].into_iter().chain(friction)), (0.0, 0.0)]
+        };
         // A, B and C at each state, each with the size of its terms: of drift and damping, and of
         // each noise.
-        let none = || [(); 3].map(|()| vec![(0.0, 0.0); states.len()]);
-        let mut parts = vec![none()];
-        let add = |to: &mut Term, x: f64| *to = (to.0 + x, to.1 + x.abs());
-        if bathed {
-            let power = along(&mut probe, &states, &drift, &energy);
-            parts[0][1].iter_mut().zip(power).for_each(|(b, power)| add(b, power));
-        }
-        let mut heat = vec![vec![0.0; d]; states.len()];
-        for (n, y) in states.iter().enumerate() {
-            add(&mut parts[0][0][n], -drift_divergence[n]);
-            for i in 0..d {
-                add(&mut parts[0][0][n], rates[i]);
-                add(&mut parts[0][1][n], -rates[i] * y[i] * slope[n][i]);
-            }
-        }
+        let mut parts: Vec<Vec<Term>> = vec![(0..states.len()).flat_map(of_drift).collect()];
+        let mut heat = vec![vec![0.0; y0.len()]; states.len()];
         for m in 1..=probe.noises() {
             let weights = probe.weights(m);
             let f = probe.field(&states, &weights);
@@ -66,56 +62,51 @@ impl Bath {
             let power: Values<'_> = &|probe, y| {
                 let f = probe.field(y, &weights);
                 if bathed {
-                    return along(probe, y, &f, &energy);
+                    return along(probe, y, &f, &energies);
                 }
                 let g = probe.gradient(y, &probe.weights(0));
                 f.iter().zip(&g).map(|(f, g)| dot(f, g)).collect()
             };
             let [(d, along_d), (s, along_s)] = [of_divergence, power]
                 .map(|of| (of(&mut probe, &states), along(&mut probe, &states, &f, of)));
-            let mut part = none();
-            for n in 0..states.len() {
-                add(&mut part[0][n], 0.5 * along_d[n]);
-                add(&mut part[0][n], 0.5 * d[n].powi(2));
-                add(&mut part[1][n], -0.5 * along_s[n]);
-                add(&mut part[1][n], -d[n] * s[n]);
-                add(&mut part[2][n], 0.5 * s[n] * s[n]);
-                heat[n].iter_mut().zip(&f[n]).for_each(|(heat, f)| *heat += f * f);
-            }
-            parts.push(part);
+            let of_noise = |n: usize| {
+                [
+                    sum([0.5 * along_d[n], 0.5 * d[n].powi(2)]),
+                    sum([-0.5 * along_s[n], -d[n] * s[n]]),
+                    sum([0.5 * s[n] * s[n]]),
+                ]
+            };
+            parts.push((0..states.len()).flat_map(of_noise).collect());
+            let squares = heat.iter_mut().flatten().zip(f.iter().flatten());
+            squares.for_each(|(heat, f)| *heat += f * f);
         }
         // The sum of all but one part.
         let without = |left: Option<usize>| {
-            let mut sums = none();
-            for part in parts.iter().enumerate().filter(|(m, _)| Some(*m) != left).map(|all| all.1)
-            {
-                for (sum, term) in sums.iter_mut().flatten().zip(part.iter().flatten()) {
-                    *sum = (sum.0 + term.0, sum.1 + term.1);
-                }
-            }
-            sums
+            let rest = parts.iter().enumerate().filter(|(m, _)| Some(*m) != left);
+            let none = vec![(0.0, 0.0); parts[0].len()];
+            rest.fold(none, |sums, (_, part)| combined(&sums, part))
         };
         let terms = without(None);
         let size = largest(drift.iter().flatten());
-        let zero = |(x, of): &Term| x.abs() <= ZERO * of.max(size);
-        if terms.iter().flatten().all(zero) {
+        if terms.iter().all(|(x, of)| x.abs() <= ZERO * of.max(size)) {
             return Self { any: true, ..Self::default() };
         }
         let beta = stationary(&terms);
         // Of formulas, a bath has a law by the volume of leaves, which is not that of y.
-        if bathed && !probe.description().joined.is_empty() && !is_divergence_free(system, y0) {
+        if bathed && of_formulas && !is_divergence_free(system, y0) {
             return Self { mismatch: vec![VOLUME.into()], ..Self::default() };
         }
-        // A noise that spoils a bath: without it there is a temperature.
-        let spoils = || {
-            let of = |m: usize| Some((m, stationary(&without(Some(m)))?));
-            let (m, beta) = (1..parts.len()).find_map(of)?;
-            let kt = 1.0 / beta;
-            Some(format!("noise {m} is not of the bath, which has kT = {kt:.6} without it"))
-        };
         let mismatch = match beta {
             Some(_) => Vec::new(),
-            None if bathed => vec![spoils().unwrap_or(BATHS.into())],
+            None if bathed => {
+                // A noise that spoils a bath: without it there is a temperature.
+                let of = |m: usize| Some((m, stationary(&without(Some(m)))?));
+                let spoils = (1..parts.len()).find_map(of).map(|(m, beta)| {
+                    let kt = 1.0 / beta;
+                    format!("noise {m} is not of the bath, which has kT = {kt:.6} without it")
+                });
+                vec![spoils.unwrap_or(BATHS.into())]
+            }
             None => mismatch(&states, &slope, &heat, rates),
         };
         Self { beta, any: false, mismatch }
@@ -132,7 +123,7 @@ const BATHS: &str = "baths have one temperature, and there is neither other damp
                      spin with σ² = 2α kT/|s|";
 
 /// Values of H₀.
-fn energy(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {
+pub fn energies(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {
     probe.energy(y, &probe.weights(0))
 }
 
@@ -141,12 +132,13 @@ const ERROR: f64 = 1e-13;
 
 /// Derivatives of F along vectors; NaN where no step length resolves the derivative.
 fn along(probe: &mut Probe<'_>, y: &[Vec<f64>], f: &Batch, value: Values<'_>) -> Vec<f64> {
-    let known = |(slope, size): Term| match size.is_finite() {
+    let slopes = slopes(probe, y, f, &lengths(y, f), value).into_iter();
+    let known = slopes.map(|(slope, size)| match size.is_finite() {
         true if slope.abs() <= ERROR * size => 0.0,
         true => slope,
         false => f64::NAN,
-    };
-    slopes(probe, y, f, &lengths(y, f), value).into_iter().map(known).collect()
+    });
+    known.collect()
 }
 
 /// Scales each spin of `y` to the length of that spin in `y0`.
@@ -159,27 +151,27 @@ fn scale_spins(y: &mut [f64], y0: &[f64]) {
 
 /// Divergence ∇·fₘ.
 fn divergence(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Vec<f64> {
-    let (d, weights) = (probe.dimension(), probe.weights(m));
+    let weights = probe.weights(m);
     let slope = probe.gradient(y, &weights);
-    trace(d, |i| probe.field_along(y, &[axis(d, i)], &slope, &weights))
+    trace(&probe.field_columns(y, &slope, &weights))
 }
 
-/// Solves A + βB + β²C = 0 at all states for a common β > 0.
-fn stationary([a, b, c]: &[Vec<Term>; 3]) -> Option<f64> {
-    let all = || a.iter().zip(b).zip(c).map(|((a, b), c)| (*a, *b, *c));
-    let of = |beta: f64, a: f64, b: f64, c: f64| a + beta * (b + beta * c);
+/// Solves A + βB + β²C = 0 at all states for a common β > 0, from A, B and C of each.
+fn stationary(terms: &[Term]) -> Option<f64> {
+    let all = || terms.as_chunks::<3>().0.iter();
+    let of = |beta: f64, [a, b, c]: [f64; 3]| a + beta * (b + beta * c);
     let vanishes = |beta: &f64| {
-        let zero = |(a, b, c): (Term, Term, Term)| {
-            of(*beta, a.0, b.0, c.0).abs() <= ZERO * of(*beta, a.1, b.1, c.1)
+        let zero = |terms: &[Term; 3]| {
+            of(*beta, terms.map(|term| term.0)).abs() <= ZERO * of(*beta, terms.map(|term| term.1))
         };
         beta.is_finite() && *beta > 0.0 && all().all(zero)
     };
     let polished = |mut beta: f64| {
         for _ in 0..STEPS {
             let (mut up, mut down) = (0.0, 0.0);
-            for (a, b, c) in all() {
-                let slope = b.0 + 2.0 * beta * c.0;
-                up += of(beta, a.0, b.0, c.0) * slope;
+            for &[(a, _), (b, _), (c, _)] in all() {
+                let slope = b + 2.0 * beta * c;
+                up += of(beta, [a, b, c]) * slope;
                 down += slope * slope;
             }
             if down > 0.0 {
@@ -188,7 +180,7 @@ fn stationary([a, b, c]: &[Vec<Term>; 3]) -> Option<f64> {
         }
         beta
     };
-    let roots = |((a, _), (b, _), (c, _)): (Term, Term, Term)| {
+    let roots = |&[(a, _), (b, _), (c, _)]: &[Term; 3]| {
         let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
         // Without cancellation.
         let q = -0.5 * (b + root.copysign(b));
@@ -224,12 +216,12 @@ fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<S
     let first = temperatures.first().map_or(0.0, |(_, kt)| *kt);
     if temperatures.iter().any(|(_, kt)| (kt / first - 1.0).abs() > ZERO) {
         words.extend(temperatures.iter().map(|(name, kt)| {
+            let mut words = format!("{name} has kT = {kt:.6}");
             let noise = (kt / first).sqrt();
-            let words = format!("{name} has kT = {kt:.6}");
-            match (noise - 1.0).abs() > ZERO {
-                true => format!("{words}, its noise {noise:.6} times that of the first"),
-                false => words,
+            if (noise - 1.0).abs() > ZERO {
+                words += &format!(", its noise {noise:.6} times that of the first");
             }
+            words
         }));
     }
     if words.is_empty() {
@@ -249,26 +241,21 @@ pub fn gibbs_marginal(
     x: &[f64],
 ) -> Option<Vec<f64>> {
     let (mut probe, states) = seen(system, y0);
-    let weights = probe.weights(0);
-    for b in probe.matrix(&states) {
-        let zero = ZERO * largest(b.iter().flatten());
-        if !null_space(b, y0.len(), zero).0.is_empty() {
-            return None;
-        }
+    if probe.matrix(&states).into_iter().any(|b| rank(b, y0.len()) < y0.len()) {
+        return None;
     }
-    let along = |state: &Vec<f64>| {
-        let at = |x: &f64| {
-            let mut state = state.clone();
+    let along = states.into_iter().map(|mut state| {
+        let points = x.iter().map(|x| {
             state[place] = *x;
-            state
-        };
-        probe.energy(&x.iter().map(at).collect::<Batch>(), &weights)
-    };
-    let energies: Batch = states.iter().map(along).collect();
+            state.clone()
+        });
+        energies(&mut probe, &points.collect::<Batch>())
+    });
+    let energies: Batch = along.collect();
     let (first, zero) = (&energies[0], ZERO * largest(energies.iter().flatten()));
     let alike = energies.iter().all(|energy| {
-        let same = |(a, b): (&f64, &f64)| (a - b - (energy[0] - first[0])).abs() <= zero;
-        energy.iter().zip(first).all(same)
+        let mut pairs = energy.iter().zip(first);
+        pairs.all(|(a, b)| (a - b - (energy[0] - first[0])).abs() <= zero)
     });
     let least = first.iter().copied().fold(f64::INFINITY, f64::min);
     let density: Vec<f64> = first.iter().map(|energy| exp(-beta * (energy - least))).collect();
@@ -282,25 +269,20 @@ pub fn is_divergence_free(system: &dyn System, y0: &[f64]) -> bool {
     let (mut probe, states) = seen(system, y0);
     let d = y0.len();
     let size = largest(probe.matrix(&states).iter().flatten().flatten());
-    if probe.description().plain {
+    if probe.description.plain {
         let scale = size / norm(y0).max(1.0);
-        let none =
-            |m| divergence(&mut probe, m, &states).iter().all(|sum| sum.abs() <= ZERO * scale);
-        return (0..=system.description().noises).all(none);
+        return (0..=probe.noises())
+            .all(|m| divergence(&mut probe, m, &states).iter().all(|x| x.abs() <= ZERO * scale));
     }
     (0..d).all(|j| {
-        let column = |i: usize| probe.structure_along(&states, &[axis(d, i)], &[axis(d, j)]);
-        trace(d, column).iter().all(|sum| sum.abs() <= ZERO * size)
+        let axes = (0..d).map(|i| [axis(d, i)]);
+        let columns = axes.map(|along| probe.structure_along(&states, &along, &[axis(d, j)]));
+        trace(&columns.collect::<Vec<_>>()).iter().all(|sum| sum.abs() <= ZERO * size)
     })
 }
 
 /// Trace at each state: the sum over i of component i of column i.
-pub fn trace(d: usize, mut column: impl FnMut(usize) -> Batch) -> Vec<f64> {
-    let mut sums = Vec::new();
-    for i in 0..d {
-        let column = column(i);
-        sums.resize(column.len(), 0.0);
-        sums.iter_mut().zip(column).for_each(|(sum, column)| *sum += column[i]);
-    }
-    sums
+fn trace(columns: &[Batch]) -> Vec<f64> {
+    let at = |n: usize| columns.iter().enumerate().map(|(i, column)| column[n][i]).sum();
+    (0..columns.first().map_or(0, Vec::len)).map(at).collect()
 }

@@ -13,7 +13,7 @@ use super::Status;
 /// The integral of a damping compared with the integral of its rate, by quadrature that is refined
 /// until it resolves the rate, on 1024 parts of [0, T] and on two uneven pieces of each, whose
 /// integrals must add up.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DampingIntegral {
     /// Whether the two integrals agree to six digits. `Unknown` if they differ only in parts where
     /// the rate jumps, has a pulse or oscillates too fast for the quadrature: there every
@@ -55,16 +55,8 @@ impl DampingIntegral {
         let (parts, pole) = rate_integrals(damping, t_end, PARTS);
         let total = parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part);
         let average = total.size / f64::from(PARTS);
-        let mut found = Self {
-            agrees: Status::Holds,
-            defect: 0.0,
-            relative: 0.0,
-            at: 0.0,
-            expected: total.net,
-            least: 0.0,
-            none: false,
-            finite: (0..=PARTS).all(|n| damping.rate(time(n)).is_finite()),
-        };
+        let finite = (0..=PARTS).all(|n| damping.rate(time(n)).is_finite());
+        let mut found = Self { expected: total.net, finite, ..Self::default() };
         let mut sum = 0.0;
         for (n, exact) in (0..PARTS).zip(&parts) {
             let (a, b) = (time(n), time(n + 1));
@@ -81,8 +73,8 @@ impl DampingIntegral {
             }
             if difference.is_nan() || difference > AGREEMENT * scale {
                 let unresolved = exact.rough && !difference.is_nan();
-                let because = if unresolved { Status::Unknown } else { Status::Fails };
-                found.agrees = found.agrees.min(because);
+                found.agrees =
+                    found.agrees.min(if unresolved { Status::Unknown } else { Status::Fails });
             }
         }
         if pole.is_some() {

@@ -2,11 +2,14 @@
 
 use real::elementary::{ln, powi};
 use serde::Serialize;
-use systems::{Linearity, run_time::System};
+use systems::{
+    Linearity,
+    run_time::{Description, System},
+};
 
 use super::{
-    Batch, Matrix, Probe, Purpose, Random, axis, largest, moved, multiplied, norm, null_space,
-    scaled, seen, transposed,
+    Batch, Matrix, Probe, Purpose, Random, axis, bath::energies, largest, moved, multiplied, norm,
+    null_space, rank, scaled, seen, transposed,
 };
 
 /// The directions that noises reach along a path, and those of the leaf of B.
@@ -51,16 +54,11 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
     if d > MAX_COMPONENTS || probe.noises() == 0 {
         return None;
     }
-    let leaf = probe.matrix(&states).into_iter().map(|b| {
-        let zero = 1e-9 * largest(b.iter().flatten());
-        d - null_space(b, d, zero).0.len()
-    });
-    let leaf = leaf.max()?;
+    let leaf = probe.matrix(&states).into_iter().map(|b| rank(b, d)).max()?;
     let mut random = Random::new(Purpose::Vectors);
     let (mut y, mut c) = (y0.to_vec(), vec![vec![0.0; d]; d]);
     for _ in 0..STEPS[0] + STEPS[1] * d {
-        let mut weights = vec![1.0];
-        weights.extend((0..probe.noises()).map(|_| random.uniform()));
+        let weights = [vec![1.0], random.vector(probe.noises())].concat();
         let (_, a) = derivative(&mut probe, &y, &weights);
         let size = a.iter().map(|row| norm(row)).fold(1e-3, f64::max);
         let h = LENGTH / size;
@@ -71,8 +69,7 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
             return None;
         }
         for m in 1..=probe.noises() {
-            let one = probe.weights(m);
-            let f = &probe.field(&[y.clone()], &one)[0];
+            let f = &probe.field(&[y.clone()], &probe.weights(m))[0];
             for (row, &x) in c.iter_mut().zip(f) {
                 *row = moved(row, h * x, f);
             }
@@ -81,37 +78,36 @@ pub fn span(system: &dyn System, y0: &[f64]) -> Option<Span> {
     let scale: Vec<f64> = (0..d).map(|i| c[i][i].sqrt()).collect();
     let size = largest(&scale);
     let never: Vec<usize> = (0..d).filter(|&i| scale[i] <= ZERO * size).collect();
-    let one = |i: usize, j: usize| match never.contains(&i) || never.contains(&j) {
-        true => 0.0,
-        false => c[i][j] / (scale[i] * scale[j]),
-    };
-    let correlation: Matrix = (0..d).map(|i| (0..d).map(|j| one(i, j)).collect()).collect();
-    let reached = (d - null_space(correlation, d, ZERO).0.len()).min(leaf);
+    for (i, j) in (0..d).flat_map(|i| (0..d).map(move |j| (i, j))) {
+        let is_zero = never.contains(&i) || never.contains(&j);
+        c[i][j] = if is_zero { 0.0 } else { c[i][j] / (scale[i] * scale[j]) };
+    }
+    let reached = (d - null_space(c, d, ZERO).0.len()).min(leaf);
     Some(Span { reached, leaf, never })
 }
 
 /// The field B∇h at y and its derivative.
-fn derivative(probe: &mut Probe<'_>, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
+pub fn derivative(probe: &mut Probe<'_>, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
     let y = [y.to_vec()];
     let slope = probe.gradient(&y, weights);
     let field = probe.structure(&y, &slope).remove(0);
-    (field, probe.matrices(|probe, u| probe.field_along(&y, u, &slope, weights)).remove(0))
+    let columns = probe.field_columns(&y, &slope, weights).concat();
+    (field, transposed(&columns))
 }
 
 /// A step of the classical Runge–Kutta method, and its derivative.
 fn step(probe: &mut Probe<'_>, y: &[f64], weights: &[f64], h: f64) -> (Vec<f64>, Matrix) {
     let unit: Matrix = (0..y.len()).map(|i| axis(y.len(), i)).collect();
+    let sum = |a: &Matrix, c: f64, b: &Matrix| -> Matrix {
+        a.iter().zip(b).map(|(a, b)| moved(a, c, b)).collect()
+    };
     let (mut to, mut flow) = (y.to_vec(), unit.clone());
     let (mut last, mut turned) = (vec![0.0; y.len()], vec![vec![0.0; y.len()]; y.len()]);
     for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-        let at = moved(y, part * h, &last);
-        let by = |k: usize| moved(&unit[k], part * h, &turned[k]);
-        let by: Matrix = (0..y.len()).map(by).collect();
-        let (field, a) = derivative(probe, &at, weights);
-        (last, turned) = (field, multiplied(&a, &by));
+        let (field, a) = derivative(probe, &moved(y, part * h, &last), weights);
+        (last, turned) = (field, multiplied(&a, &sum(&unit, part * h, &turned)));
         to = moved(&to, weight * h / 6.0, &last);
-        let next = flow.iter().zip(&turned).map(|(row, more)| moved(row, weight * h / 6.0, more));
-        flow = next.collect();
+        flow = sum(&flow, weight * h / 6.0, &turned);
     }
     (to, flow)
 }
@@ -126,45 +122,38 @@ const LAST: usize = 6;
 pub fn growth(system: &dyn System, y0: &[f64], beta: f64) -> Growth {
     let d = y0.len();
     let (mut probe, states) = seen(system, y0);
-    let is_whole = |b: Matrix| null_space(b, d, 1e-9).0.is_empty();
-    let constant = probe.description().linearity == Linearity::Constant;
-    if !constant
-        || probe.description().has_guard
-        || !probe.matrix(&states[..1]).into_iter().all(is_whole)
-    {
+    let Description { linearity, has_guard, .. } = probe.description;
+    let b = probe.matrix(&states[..1]).remove(0);
+    if *linearity != Linearity::Constant || *has_guard || !null_space(b, d, 1e-9).0.is_empty() {
         return Growth::Unknown;
     }
     let mut random = Random::new(Purpose::Vectors);
     let axes =
         (0..2 * d).map(|k| (Some(k / 2), scaled(1.0 - 2.0 * (k % 2) as f64, &axis(d, k / 2))));
     let others = (0..DIRECTIONS).map(|_| {
-        let v: Vec<f64> = (0..d).map(|_| random.uniform()).collect();
+        let v = random.vector(d);
         (None, scaled(1.0 / norm(&v), &v))
     });
-    let directions: Vec<_> = axes.chain(others.collect::<Vec<_>>()).collect();
     let size = norm(y0).max(1.0);
-    let weights = probe.weights(0);
-    for (component, direction) in directions {
+    for (component, direction) in axes.chain(others) {
         let points: Batch =
             RADII.map(|power| moved(y0, size * powi(10.0, power), &direction)).collect();
-        let energies = probe.energy(&points, &weights);
+        let energies = energies(&mut probe, &points);
         if energies.iter().any(|energy| energy.is_nan()) {
             return Growth::Unknown;
         }
         // Far away e^{−βH₀}rᵈ falls; less than that, as with a logarithm, is not looked at.
         let least = (d as f64 + 1.0) * ln(10.0);
-        let more = |pair: &[f64]| match pair[1] == f64::INFINITY {
+        let growth = energies.windows(2).rev().map(|pair| match pair[1] == f64::INFINITY {
             true => f64::INFINITY,
             false => beta * (pair[1] - pair[0]),
-        };
-        let growth: Vec<f64> = energies.windows(2).map(more).collect();
-        if growth.last().is_some_and(|last| *last > least) {
-            continue;
+        });
+        if !growth.clone().next().is_some_and(|last| last > least) {
+            return match growth.take(LAST).all(|one| one > 0.0) {
+                true => Growth::Unknown,
+                false => Growth::NotAlong(component),
+            };
         }
-        return match growth.iter().rev().take(LAST).all(|one| *one > 0.0) {
-            true => Growth::Unknown,
-            false => Growth::NotAlong(component),
-        };
     }
     Growth::Everywhere
 }

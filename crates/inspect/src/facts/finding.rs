@@ -5,14 +5,15 @@ use serde::Serialize;
 use super::largest;
 
 /// The answer to whether a property holds, from the worst to the best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Fails: there is a counterexample beyond round-off.
     Fails,
     /// Undecided: round-off hides the answer, or a value is not finite.
     Unknown,
-    /// Holds to round-off at every point that was checked.
+    /// Holds to round-off at every point that was checked, of which there may be none yet.
+    #[default]
     Holds,
 }
 
@@ -22,10 +23,20 @@ impl Status {
     pub fn holds(self) -> bool {
         self == Self::Holds
     }
+
+    /// The answer in words, from those for all three, the worst first.
+    pub(crate) fn words<'a>(self, [fails, unknown, holds]: [&'a str; 3]) -> &'a str {
+        match self {
+            Self::Fails => fails,
+            Self::Unknown => unknown,
+            Self::Holds => holds,
+        }
+    }
 }
 
-/// Result of checking an identity at points: the answer and the largest relative defect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Result of checking an identity at points: the answer and the largest relative defect. By default
+/// at no points yet: the identity holds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Finding {
     /// The answer.
     pub status: Status,
@@ -70,14 +81,6 @@ const FAINT: f64 = 2.0 * f64::EPSILON;
 
 /// Defect with the size of the terms whose sum it is.
 pub type Term = (f64, f64);
-
-/// Finding at no points yet: the identity holds.
-impl Default for Finding {
-    fn default() -> Self {
-        let (at, kind) = (Vec::new(), Tolerance::default());
-        Self { status: Status::Holds, defect: 0.0, at, points: 0, kind }
-    }
-}
 
 impl Finding {
     /// Starts a finding on an identity that decides an order: a defect that larger terms hide is
@@ -143,14 +146,6 @@ impl Finding {
     #[must_use]
     pub fn fails(&self) -> bool {
         self.status == Status::Fails
-    }
-
-    /// Sets the status to unknown if no point was checked.
-    pub(crate) fn seen(mut self) -> Self {
-        if self.points == 0 {
-            self.status = Status::Unknown;
-        }
-        self
     }
 }
 

@@ -28,16 +28,20 @@ impl Form {
     pub fn formula(&self) -> String {
         let c = &self.coefficients;
         let d = if self.degree < 2 { c.len() } else { c.len().isqrt() };
-        let (squares, products): (Vec<_>, Vec<_>) = places(d).partition(|(i, j)| i == j);
-        let term = |(i, j): (usize, usize)| match (self.degree, i == j) {
-            (0, _) => (c[i], format!("ln|y{}|", i + 1)),
-            (1, _) => (c[i], format!("y{}", i + 1)),
-            (_, true) => (0.5 * c[i * d + i], format!("y{}²", i + 1)),
-            (_, false) => (c[i * d + j], format!("y{} y{}", i + 1, j + 1)),
-        };
-        let products = products.into_iter().filter(|_| self.degree == 2);
+        let mut terms: Vec<_> = (0..d)
+            .map(|i| match (self.degree, i + 1) {
+                (0, n) => (c[i], format!("ln|y{n}|")),
+                (1, n) => (c[i], format!("y{n}")),
+                (_, n) => (0.5 * c[i * d + i], format!("y{n}²")),
+            })
+            .collect();
+        if self.degree == 2 {
+            let products = places(d).filter(|(i, j)| i != j);
+            let term = |(i, j)| (c[i * d + j], format!("y{} y{}", i + 1, j + 1));
+            terms.extend(products.map(term));
+        }
         let mut formula = String::new();
-        for (coefficient, symbol) in squares.into_iter().chain(products).map(term) {
+        for (coefficient, symbol) in terms {
             let sign = match (formula.is_empty(), coefficient < 0.0) {
                 _ if coefficient == 0.0 => continue,
                 (true, false) => "",
@@ -78,11 +82,9 @@ impl Form {
 
 /// Vector of the cᵢ/yᵢ times the product of all yⱼ whose coefficients are not zero.
 pub fn without_own(c: &[f64], y: &[f64]) -> Vec<f64> {
-    let others = |i: usize| {
-        let others = (0..c.len()).filter(|&j| j != i && c[j] != 0.0);
-        c[i] * others.map(|j| y[j]).product::<f64>()
-    };
-    (0..c.len()).map(|i| if c[i] == 0.0 { 0.0 } else { others(i) }).collect()
+    let others = |i: usize| (0..c.len()).filter(move |&j| j != i && c[j] != 0.0).map(|j| y[j]);
+    let entry = |i: usize| c[i] * others(i).product::<f64>();
+    (0..c.len()).map(|i| if c[i] == 0.0 { 0.0 } else { entry(i) }).collect()
 }
 
 /// Index pairs (i, j), i ≤ j, of the entries of a symmetric matrix.

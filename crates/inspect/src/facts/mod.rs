@@ -24,6 +24,7 @@ use systems::run_time::{Problem, System};
 
 // What facts and inspections are made of.
 pub(crate) use {algebra::*, finding::*, form::*, probe::*, random::*, search::*};
+use {bath::energies, ergodic::derivative};
 
 pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;
@@ -58,11 +59,10 @@ impl Facts {
         let integral = DampingIntegral::of(problem.damping(), problem.t_end());
         let (system, y0) = (problem.system(), problem.y0());
         let (mut probe, y) = seen(system, y0);
-        let weights = probe.weights(0);
         // Euler's identity y·∇H₀ = pH₀.
-        let slopes = probe.gradient(&y, &weights);
+        let slopes = probe.gradient(&y, &probe.weights(0));
         let euler: Vec<f64> = y.iter().zip(&slopes).map(|(y, slope)| dot(y, slope)).collect();
-        let degree = multiple(&probe.energy(&y, &weights), &euler);
+        let degree = multiple(&energies(&mut probe, &y), &euler);
         Self {
             casimirs: casimirs_around(system, y0),
             proportional: is_proportional(system, y0),
@@ -75,11 +75,11 @@ impl Facts {
     /// The laws of Casimirs C1, C2, … and of the energy H0 of this system.
     pub fn laws<'a>(&'a self, system: &'a dyn System) -> Vec<ConformalLaw<'a>> {
         let casimirs = self.casimirs.iter().zip(1..).map(|(form, k)| form.law(format!("C{k}")));
-        let of_energy = |degree| {
+        let of_energy = self.energy_law().map(|degree| {
             let value = Arc::new(move |y: &[f64]| energy(system, y));
             ConformalLaw { name: "H0".into(), degree, casimir: false, value, decay: None }
-        };
-        casimirs.chain(self.energy_law().map(of_energy)).collect()
+        });
+        casimirs.chain(of_energy).collect()
     }
 
     /// Degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; arbitrary without damping.
@@ -99,10 +99,7 @@ fn seen<'a>(system: &'a dyn System, y0: &[f64]) -> (Probe<'a>, Batch) {
 /// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
 fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
     let (mut probe, y) = seen(system, y0);
-    let mut slope = |m: usize| {
-        let weights = probe.weights(m);
-        probe.gradient(&y, &weights).concat()
-    };
+    let mut slope = |m: usize| probe.gradient(&y, &probe.weights(m)).concat();
     let (description, drift) = (system.description(), slope(0));
     !description.depends_on_time
         && !description.has_bath
@@ -112,9 +109,7 @@ fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
 
 /// Energy H₀(y) of a system with one path in each place of a row.
 pub fn energy(system: &dyn System, y: &[f64]) -> f64 {
-    let mut probe = Probe::new(system);
-    let weights = probe.weights(0);
-    probe.energy(&[y.to_vec()], &weights)[0]
+    energies(&mut Probe::new(system), &[y.to_vec()])[0]
 }
 
 /// The linear and quadratic Casimirs of a system, as [`Facts`] have them.
@@ -139,24 +134,17 @@ pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
         return 0.0;
     }
     let mut probe = Probe::new(system);
-    let (y, weights) = ([y0.to_vec()], probe.weights(0));
-    let slope = probe.gradient(&y, &weights);
-    let matrix = probe.matrices(|probe, u| probe.field_along(&y, u, &slope, &weights));
-    let radius = spectral_radius(matrix.concat(), SQUARINGS);
+    let weights = probe.weights(0);
+    let radius = spectral_radius(derivative(&mut probe, y0, &weights).1, SQUARINGS);
     if radius.is_finite() { radius } else { 0.0 }
 }
 
 /// Draws 32 points of the domain, as far from y₀ as its size where possible.
 fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
-    let size = match norm(y0) {
-        0.0 => 1.0,
-        length => 0.3 * length,
-    };
+    let size = if norm(y0) == 0.0 { 1.0 } else { 0.3 * norm(y0) };
     let mut point = || {
         let shift: Vec<f64> = y0.iter().map(|y| random.uniform() * (y.abs() + size)).collect();
-        let at = |halvings: i32| moved(y0, f64::powi(0.5, halvings), &shift);
-        let inside = (0..40).map(at).find(|y| probe.in_domain(y));
-        inside.unwrap_or_else(|| y0.to_vec())
+        probe.halved_into_domain(y0, 1.0, &shift).unwrap_or_else(|| y0.to_vec())
     };
     (0..WIDTH).map(|_| point()).collect()
 }
@@ -165,8 +153,7 @@ fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
 fn multiple(a: &[f64], b: &[f64]) -> Option<f64> {
     let c = share(a, b);
     let scale = largest(b) + c.abs() * largest(a);
-    let near = |(a, b): (&f64, &f64)| (b - c * a).abs() <= ZERO * scale;
-    a.iter().zip(b).all(near).then_some(c)
+    a.iter().zip(b).all(|(a, b)| (b - c * a).abs() <= ZERO * scale).then_some(c)
 }
 
 /// Rounds x to an integer if one is within the relative distance 10⁻⁹, else conserves x.

@@ -11,6 +11,9 @@ pub const TIME: f64 = 0.618;
 /// Times at which fields that depend on time are looked at.
 const TIMES: [f64; 3] = [TIME, 0.0, 2.236];
 
+/// Halvings of distances and segments until they are in the domain.
+pub const HALVINGS: i32 = 40;
+
 /// States or vectors, one for each point.
 pub type Batch = Vec<Vec<f64>>;
 
@@ -18,37 +21,48 @@ pub type Batch = Vec<Vec<f64>>;
 ///
 /// Arguments have one state for each point, or one for all. `weights` are (dt, dw₁, …, dw_M).
 pub struct Probe<'a> {
-    pub system: &'a dyn System,
+    system: &'a dyn System,
+    /// The description of the system.
+    pub description: &'a Description,
     /// The time of Hamiltonians that depend on it.
-    pub t: f64,
+    t: f64,
     scratch: Vec<Row>,
 }
 
 impl<'a> Probe<'a> {
     pub fn new(system: &'a dyn System) -> Self {
-        Self { system, t: TIME, scratch: vec![[0.0; WIDTH]; system.description().scratch_rows()] }
-    }
-
-    pub fn description(&self) -> &'a Description {
-        self.system.description()
+        let description = system.description();
+        let scratch = vec![[0.0; WIDTH]; description.scratch_rows()];
+        Self { system, description, t: TIME, scratch }
     }
 
     pub fn dimension(&self) -> usize {
-        self.description().dimension
+        self.description.dimension
     }
 
     pub fn noises(&self) -> usize {
-        self.description().noises
+        self.description.noises
     }
 
     /// Whether a state is one tile.
     pub fn is_one_tile(&self) -> bool {
-        let layout = self.description().layout;
+        let layout = self.description.layout;
         layout.tile_rows >= layout.rows
     }
 
     pub fn in_domain(&self, y: &[f64]) -> bool {
         self.system.check_domain(y).is_ok()
+    }
+
+    /// The first of y + length·direction/2ᵏ in the domain, for k below [`HALVINGS`].
+    pub fn halved_into_domain(
+        &self,
+        y: &[f64],
+        length: f64,
+        direction: &[f64],
+    ) -> Option<Vec<f64>> {
+        let at = |halvings: i32| moved(y, length * f64::powi(0.5, halvings), direction);
+        (0..HALVINGS).map(at).find(|y| self.in_domain(y))
     }
 
     /// Weights for which h = Hₘ; h = H₀ for `m` = 0.
@@ -58,7 +72,7 @@ impl<'a> Probe<'a> {
 
     /// Number of states that share rows.
     fn together(&self) -> usize {
-        match self.description().layout.lanes {
+        match self.description.layout.lanes {
             Lanes::Paths => WIDTH,
             Lanes::Components => 1,
         }
@@ -66,11 +80,11 @@ impl<'a> Probe<'a> {
 
     /// Packs the states from number `first` on into rows; the last state fills lanes that are left.
     fn rows(&self, states: &[Vec<f64>], first: usize) -> Vec<Row> {
-        let mut rows = vec![[0.0; WIDTH]; self.description().layout.rows];
+        let mut rows = vec![[0.0; WIDTH]; self.description.layout.rows];
         for lane in 0..self.together() {
             let state = &states[(first + lane).min(states.len() - 1)];
             for (component, &x) in state.iter().enumerate() {
-                let (row, place) = self.description().layout.place(component);
+                let (row, place) = self.description.layout.place(component);
                 rows[row][place + lane] = x;
             }
         }
@@ -78,7 +92,7 @@ impl<'a> Probe<'a> {
     }
 
     fn noise(&self, dw: &[f64]) -> Vec<Row> {
-        match self.description().layout.local_noise {
+        match self.description.layout.local_noise {
             true => self.rows(&[dw.to_vec()], 0),
             false => dw.iter().map(|&dw| [dw; WIDTH]).collect(),
         }
@@ -91,12 +105,10 @@ impl<'a> Probe<'a> {
         arguments: &[&[Vec<f64>]],
         mut f: impl FnMut(&mut Self, &[Vec<Row>], usize),
     ) {
-        let counts = || arguments.iter().map(|states| states.len());
-        let points = if counts().any(|n| n == 0) { 0 } else { counts().max().unwrap_or(0) };
+        let points = arguments.iter().map(|states| states.len()).max().unwrap_or(0);
         for first in (0..points).step_by(self.together()) {
             let rows: Vec<_> = arguments.iter().map(|states| self.rows(states, first)).collect();
-            let count = self.together().min(points - first);
-            f(self, &rows, count);
+            f(self, &rows, self.together().min(points - first));
         }
     }
 
@@ -105,16 +117,13 @@ impl<'a> Probe<'a> {
         let (dt, dw) =
             weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
         let h = Weights { t: self.t, dt, dw: &dw, areas: &[] };
-        let mut all = Batch::new();
-        let layout = self.description().layout;
+        let (mut all, layout) = (Batch::new(), self.description.layout);
         let mut out = vec![[0.0; WIDTH]; layout.rows];
         self.chunks(&op.arguments().collect::<Vec<_>>(), |this, rows, count| {
             for first in (0..layout.rows).step_by(layout.tile_rows.max(1)) {
                 let tile = first..(first + layout.tile_rows).min(layout.rows);
-                let mut rows = rows.iter().map(|rows| match op.is_local() {
-                    true => &rows[tile.clone()],
-                    false => &rows[..],
-                });
+                let read = if op.is_local() { tile.clone() } else { 0..layout.rows };
+                let mut rows = rows.iter().map(|rows| &rows[read.clone()]);
                 let op = op.map(|_| rows.next().unwrap_or_default());
                 let (out, scratch) = (&mut out[tile.clone()], &mut this.scratch);
                 match by_quadrature {
@@ -122,11 +131,10 @@ impl<'a> Probe<'a> {
                     false => this.system.apply(op, tile, h, out, scratch),
                 }
             }
-            let at = |lane: usize, component: usize| {
-                let (row, place) = layout.place(component);
-                out[row][place + lane]
-            };
-            all.extend((0..count).map(|l| (0..this.dimension()).map(|i| at(l, i)).collect()));
+            let places: Vec<_> = (0..this.dimension()).map(|i| layout.place(i)).collect();
+            for lane in 0..count {
+                all.push(places.iter().map(|(row, place)| out[*row][place + lane]).collect());
+            }
         });
         all
     }
@@ -141,7 +149,7 @@ impl<'a> Probe<'a> {
         self.chunks(&[y], |this, rows, count| {
             let mut out = [0.0; WIDTH];
             compute(this.system, &rows[0], &mut out, &mut this.scratch);
-            match this.description().layout.lanes {
+            match this.description.layout.lanes {
                 Lanes::Paths => all.extend(&out[..count]),
                 Lanes::Components => all.push(out.iter().sum()),
             }
@@ -164,11 +172,6 @@ impl<'a> Probe<'a> {
         self.evaluate(Op::Gradient { y }, weights, false)
     }
 
-    /// Product ∇²h(y)u of the Hessian with u.
-    pub fn hessian(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], weights: &[f64]) -> Batch {
-        self.evaluate(Op::Hessian { y, u }, weights, false)
-    }
-
     /// Field f = B∇h.
     pub fn field(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Batch {
         let slope = self.gradient(y, weights);
@@ -184,9 +187,15 @@ impl<'a> Probe<'a> {
         weights: &[f64],
     ) -> Batch {
         let turned = self.structure_along(y, u, slope);
-        let curved = self.hessian(y, u, weights);
+        let curved = self.evaluate(Op::Hessian { y, u }, weights, false);
         let curved = self.structure(y, &curved);
         turned.iter().zip(curved).map(|(a, b)| moved(a, 1.0, &b)).collect()
+    }
+
+    /// The columns of the derivative f′ of the field at each point, from `slope` = ∇h.
+    pub fn field_columns(&mut self, y: &[Vec<f64>], slope: &Batch, weights: &[f64]) -> Vec<Batch> {
+        let d = self.dimension();
+        (0..d).map(|i| self.field_along(y, &[axis(d, i)], slope, weights)).collect()
     }
 
     /// Averages ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by quadrature, for a system with one tile.
@@ -212,9 +221,9 @@ impl<'a> Probe<'a> {
     /// several times: functions that all of them keep have gradients that these rows are
     /// orthogonal to, as Casimirs have to those of B.
     pub fn matrix(&mut self, y: &[Vec<f64>]) -> Vec<Matrix> {
-        if self.description().plain {
+        if self.description.plain {
             let mut rows = vec![Matrix::new(); y.len()];
-            let times = if self.description().depends_on_time { &TIMES[..] } else { &TIMES[..1] };
+            let times = if self.description.depends_on_time { &TIMES[..] } else { &TIMES[..1] };
             for &t in times {
                 self.t = t;
                 for m in 0..=self.noises() {
@@ -225,15 +234,10 @@ impl<'a> Probe<'a> {
             self.t = TIME;
             return rows;
         }
-        self.matrices(|probe, v| probe.structure(y, v))
-    }
-
-    /// The matrix at each point whose column j is a function of the unit vector eⱼ.
-    pub fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
         let d = self.dimension();
-        let columns: Vec<_> = (0..d).map(|j| column(self, &[axis(d, j)])).collect();
+        let columns: Vec<Batch> = (0..d).map(|j| self.structure(y, &[axis(d, j)])).collect();
         let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());
-        (0..columns.first().map_or(0, Vec::len)).map(at).collect()
+        (0..y.len()).map(at).collect()
     }
 }
 
@@ -242,10 +246,8 @@ pub type Values<'f> = &'f dyn Fn(&mut Probe<'_>, &[Vec<f64>]) -> Vec<f64>;
 
 /// Initial lengths of the differences along vectors: a tenth of a state.
 pub fn lengths(y: &[Vec<f64>], along: &Batch) -> Vec<f64> {
-    let length = |(y, along): (&Vec<f64>, &Vec<f64>)| {
-        0.1 * largest(y).max(f64::MIN_POSITIVE) / largest(along).max(1e-300)
-    };
-    y.iter().zip(along).map(length).collect()
+    let sizes = y.iter().zip(along).map(|(y, along)| (largest(y), largest(along)));
+    sizes.map(|(y, along)| 0.1 * y.max(f64::MIN_POSITIVE) / along.max(1e-300)).collect()
 }
 
 /// Coefficients of F(y + kh) − F(y − kh) in the central difference stencils of orders 8 and 6.
@@ -270,25 +272,22 @@ pub fn slopes(
     let mut best = vec![(0.0, f64::INFINITY); y.len()];
     for halvings in 0..LENGTHS {
         let length = |n: usize| lengths[n] * f64::powi(0.5, halvings);
-        let mut side = |k: i32| {
-            let at = |n: usize| moved(&y[n], f64::from(k) * length(n), &along[n]);
+        let mut side = |k: f64| {
+            let at = |n: usize| moved(&y[n], k * length(n), &along[n]);
             let states: Batch = (0..y.len()).map(at).collect();
             let values = f(probe, &states);
             (states, values)
         };
-        let sides = [1, 2, 3, 4].map(|k| [k, -k].map(&mut side));
+        let sides = [1.0, 2.0, 3.0, 4.0].map(|k| [k, -k].map(&mut side));
         for n in 0..y.len() {
-            let mut inside = sides.iter().flatten().map(|(states, _)| &states[n]);
-            if !inside.all(|y| probe.in_domain(y)) {
-                continue;
-            }
-            let differences: Vec<f64> =
-                sides.iter().map(|[up, down]| up.1[n] - down.1[n]).collect();
+            let differences = sides.each_ref().map(|[up, down]| up.1[n] - down.1[n]);
             let [fine, coarse] = WEIGHTS.map(|weights| dot(&weights, &differences) / length(n));
-            let size = largest(sides.iter().flatten().map(|(_, values)| &values[n])) / length(n);
+            let mut sides = sides.iter().flatten();
+            let size = largest(sides.clone().map(|(_, values)| &values[n])) / length(n);
             let apart = (fine - coarse).abs();
             let error = apart / ROUNDING + 0.1 * size;
-            if error < best[n].1 && apart <= RESOLVED * size {
+            let better = error < best[n].1 && apart <= RESOLVED * size;
+            if better && sides.all(|(states, _)| probe.in_domain(&states[n])) {
                 best[n] = (fine, error);
             }
         }

@@ -35,4 +35,9 @@ impl Random {
         self.drawn += 1;
         (self.key.path_seed(self.drawn) >> 11) as f64 * f64::EPSILON - 1.0
     }
+
+    /// Vector of uniform numbers.
+    pub fn vector(&mut self, length: usize) -> Vec<f64> {
+        (0..length).map(|_| self.uniform()).collect()
+    }
 }

@@ -66,10 +66,8 @@ impl Conserved {
                 true => ("midpoint", "it keeps the quadratic functions that all fields keep"),
                 false => ("heun", "it is explicit, and the fields keep no quadratic function"),
             };
-            let levy = match system.noises_commute {
-                true => "",
-                false => "; noises do not commute: heun-levy has strong order 1",
-            };
+            let levy = "; noises do not commute: heun-levy has strong order 1";
+            let levy = if system.noises_commute { "" } else { levy };
             return (scheme, format!("{why}{levy}"));
         }
         let scheme = match self.areas {
@@ -97,8 +95,8 @@ impl Conserved {
             (system.has_bath, "the bath"),
             (system.depends_on_time, "what depends on time"),
         ];
-        let causes = causes.iter().filter(|(acts, _)| *acts && !self.energy);
-        let causes = causes.map(|(_, cause)| *cause).collect::<Vec<_>>().join(" and ");
+        let causes = causes.into_iter().filter(|(acts, _)| *acts && !self.energy);
+        let causes = causes.map(|(_, cause)| cause).collect::<Vec<_>>().join(" and ");
         let but = if causes.is_empty() { "" } else { " but for " };
         let order = match scheme {
             "sexp-levy" => "; Lévy areas give strong order 1",
@@ -113,9 +111,7 @@ impl Conserved {
 /// Whether noises commute and the flow of each is known, so that `sexp-h` keeps what `sexp` keeps,
 /// with a higher order at about its cost.
 fn has_flows_of_noises(system: &Description) -> bool {
-    let known = |parts: &Parts| {
-        parts.of_noise.len() == system.noises && parts.of_noise.iter().all(Option::is_some)
-    };
+    let known = |parts: &Parts| parts.of_noise.iter().flatten().count() == system.noises;
     let steady = system.noises_commute && !system.depends_on_time;
     steady && system.noises > 0 && system.parts.as_ref().is_ok_and(known)
 }

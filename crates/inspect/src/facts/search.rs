@@ -48,15 +48,11 @@ pub fn casimirs(
         return Candidates::default();
     }
     let y = points(probe);
-    let parts = match &probe.description().joined[..] {
+    let parts = match &probe.description.joined[..] {
         [] => parts(probe, &y),
         joined => joined.to_vec(),
     };
-    let blocks = |probe: &mut Probe<'_>, y: Batch| -> Vec<AtPoint> {
-        let blocks = blocks(probe, &y, &parts);
-        y.into_iter().zip(blocks).collect()
-    };
-    let first = blocks(probe, y);
+    let first = with_blocks(probe, y, &parts);
     let mut states = first.clone();
     let mut found = [const { Vec::new() }; 3];
     let mut complete = true;
@@ -71,14 +67,14 @@ pub fn casimirs(
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
             complete = false;
-        } else if probe.description().linearity != Linearity::Constant && rank > 0 {
+        } else if probe.description.linearity != Linearity::Constant && rank > 0 {
             while states.len() * rank < SURPLUS * unknowns {
                 let new = points(probe);
                 if new.is_empty() {
                     complete = false;
                     break;
                 }
-                states.extend(blocks(probe, new));
+                states.extend(with_blocks(probe, new, &parts));
             }
             let rows = equations((n, &all), &states, |b, y| quadratic_row(part, b, y));
             let (found, least) = null_space(rows, unknowns, ZERO);
@@ -86,9 +82,11 @@ pub fn casimirs(
             twos = beyond(found, products(&ones, size));
         }
         // Components that are Casimirs by themselves have logarithms that are nothing new.
-        let moves = |j: &usize| first.iter().flat_map(|(_, b)| &b[n]).any(|row| row[*j] != 0.0);
-        let moving: Vec<usize> =
-            all.iter().copied().filter(moves).filter(|_| size <= LOGARITHMS).collect();
+        let mut moving = all.clone();
+        moving.retain(|&j| first.iter().flat_map(|(_, b)| &b[n]).any(|row| row[j] != 0.0));
+        if size > LOGARITHMS {
+            moving.clear();
+        }
         let of_logarithms = equations((n, &moving), &first, |b, y| {
             without_own(b, &moving.iter().map(|&j| y[part[j]]).collect::<Vec<_>>())
         });
@@ -96,15 +94,14 @@ pub fn casimirs(
         let whole = |degree: u32, x: Vec<f64>| {
             let mut coefficients = vec![0.0; d.pow(degree.max(1))];
             let x = readable(x, ZERO).into_iter();
-            match degree {
-                2 => places(size).zip(x).for_each(|((k, l), c)| {
+            if degree == 2 {
+                for ((k, l), c) in places(size).zip(x) {
                     coefficients[part[k] * d + part[l]] = c;
                     coefficients[part[l] * d + part[k]] = c;
-                }),
-                _ => {
-                    let places = if degree == 0 { &moving } else { &all };
-                    places.iter().zip(x).for_each(|(i, c)| coefficients[part[*i]] = c);
                 }
+            } else {
+                let places = if degree == 0 { &moving } else { &all };
+                places.iter().zip(x).for_each(|(i, c)| coefficients[part[*i]] = c);
             }
             Form { degree, coefficients }
         };
@@ -120,13 +117,12 @@ fn parts(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let d = probe.dimension();
     let mut label: Vec<usize> = (0..d).collect();
     // A vector without special ratios.
-    let v: Vec<f64> = (0..d).map(|i| sin(1.0 + 0.7 * i as f64)).collect();
+    let v = [(0..d).map(|i| sin(1.0 + 0.7 * i as f64)).collect()];
     for j in 0..d {
         let axis = [axis(d, j)];
         let column = probe.structure(y, &axis);
-        let along = probe.structure_along(y, &axis, std::slice::from_ref(&v));
-        let moves = |i: &usize| column.iter().chain(&along).any(|out| out[*i] != 0.0);
-        for i in (0..d).filter(moves) {
+        let along = probe.structure_along(y, &axis, &v);
+        for i in (0..d).filter(|i| column.iter().chain(&along).any(|out| out[*i] != 0.0)) {
             let (one, other) = (label[i], label[j]);
             label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
         }
@@ -135,23 +131,24 @@ fn parts(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<Vec<usize>> {
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
 }
 
-/// The blocks of B at each point. Columns of different parts are computed at once.
-fn blocks(probe: &mut Probe<'_>, y: &[Vec<f64>], parts: &[Vec<usize>]) -> Vec<Vec<Matrix>> {
-    if probe.description().plain {
-        return probe.matrix(y).into_iter().map(|rows| vec![rows]).collect();
+/// Points with the blocks of B there. Columns of different parts are computed at once.
+fn with_blocks(probe: &mut Probe<'_>, y: Batch, parts: &[Vec<usize>]) -> Vec<AtPoint> {
+    if probe.description.plain {
+        let rows = probe.matrix(&y).into_iter().map(|rows| vec![rows]);
+        return y.into_iter().zip(rows).collect();
     }
     let zero = |part: &Vec<usize>| vec![vec![0.0; part.len()]; part.len()];
     let mut blocks: Vec<Vec<Matrix>> = vec![parts.iter().map(zero).collect(); y.len()];
     for k in 0..parts.iter().map(Vec::len).max().unwrap_or(0) {
         let mut v = vec![0.0; probe.dimension()];
         parts.iter().filter_map(|part| part.get(k)).for_each(|&j| v[j] = 1.0);
-        for (blocks, column) in blocks.iter_mut().zip(probe.structure(y, &[v])) {
+        for (blocks, column) in blocks.iter_mut().zip(probe.structure(&y, &[v])) {
             for (block, part) in blocks.iter_mut().zip(parts).filter(|(_, part)| k < part.len()) {
                 block.iter_mut().zip(part).for_each(|(row, &i)| row[k] = column[i]);
             }
         }
     }
-    blocks
+    y.into_iter().zip(blocks).collect()
 }
 
 /// Equations bᵀ∇C(y) = 0 for every row b of B(y) on components of a part, at all points, as rows
@@ -166,10 +163,10 @@ fn equations(
         let noise = NOISE * largest(blocks.iter().flatten().flatten());
         for b in &blocks[part] {
             let b: Vec<f64> = components.iter().map(|&j| b[j]).collect();
-            let row = if norm(&b) > noise { row(&b, y) } else { continue };
-            let length = norm(&row);
-            if length > 0.0 {
-                rows.push(row.into_iter().map(|x| x / length).collect());
+            if norm(&b) > noise {
+                let row = row(&b, y);
+                let length = norm(&row);
+                rows.extend((length > 0.0).then(|| row.iter().map(|x| x / length).collect()));
             }
         }
     }
@@ -178,19 +175,17 @@ fn equations(
 
 /// The equation for the coefficients of a quadratic Casimir.
 fn quadratic_row(part: &[usize], b: &[f64], y: &[f64]) -> Vec<f64> {
-    let entry = |(k, l): (usize, usize)| match k == l {
+    let entries = places(part.len()).map(|(k, l)| match k == l {
         true => b[k] * y[part[k]],
         false => b[k] * y[part[l]] + b[l] * y[part[k]],
-    };
-    places(part.len()).map(entry).collect()
+    });
+    entries.collect()
 }
 
 /// The products of linear forms, as quadratic ones.
 fn products(linear: &Matrix, d: usize) -> Matrix {
-    let product = |a: &[f64], b: &[f64]| {
-        places(d).map(|(i, j)| a[i] * b[j] + a[j] * b[i]).collect::<Vec<_>>()
-    };
-    places(linear.len()).map(|(i, j)| product(&linear[i], &linear[j])).collect()
+    let pairs = places(linear.len()).map(|(i, j)| (&linear[i], &linear[j]));
+    pairs.map(|(a, b)| places(d).map(|(i, j)| a[i] * b[j] + a[j] * b[i]).collect()).collect()
 }
 
 /// Vectors of `span` that are linearly independent of `known` and of one another, by Gram–Schmidt.

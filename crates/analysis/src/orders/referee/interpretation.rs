@@ -42,7 +42,7 @@ impl Referee<'_> {
             }
             paths.iter().zip(&ends).map(|(path, end)| distance(&at(finest, path), end)).sum()
         };
-        let few: Vec<usize> = paths.iter().copied().filter(|&path| path < FEW).collect();
+        let few = &paths[..paths.partition_point(|path| *path < FEW)];
         let blocks: Vec<&[usize]> = few.chunk_by(|a, b| a / WIDTH == b / WIDTH).collect();
         let distance = |part: f64| -> f64 {
             let of_blocks = blocks.par_iter().map(|paths| of_block(part, paths));

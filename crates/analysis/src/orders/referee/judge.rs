@@ -12,7 +12,7 @@ use super::{
         Decision, Limit, More, OneStep, Order,
         decision::undecided,
         limit::{strong_limit, weak_limit},
-        one_step::least_order,
+        one_step::{difference, least_order, mean_squares},
         order::{strong, weak},
     },
     Referee, VISITS, distance,
@@ -91,22 +91,22 @@ impl fmt::Display for Judged {
             "root mean square errors of y(T), to {reference_error:.0e}, the error of the \
              reference:\n  step      error     ns per path-step"
         )?;
-        for (l, (tau, error)) in steps.iter().zip(errors).enumerate() {
-            let cost =
-                seconds.get(l).map(|seconds| format!("{:.0}", seconds * tau / path_time * 1e9));
-            writeln!(f, "  {tau:<8.2e}  {error:<8.2e}  {}", cost.as_deref().unwrap_or("–"))?;
-        }
-        Ok(())
+        (0..steps.len()).try_for_each(|l| {
+            let (tau, error) = (steps[l], errors[l]);
+            let cost = seconds.get(l).map(|all| format!("{:.0}", all * tau / path_time * 1e9));
+            writeln!(f, "  {tau:<8.2e}  {error:<8.2e}  {}", cost.as_deref().unwrap_or("–"))
+        })
     }
 }
 
 impl SolverStates {
     /// Whether two answers to the same noise differ.
     fn differ(&self) -> bool {
-        let pairs = || self.levels.iter().take(1).flatten().zip(&self.again);
-        let known = || pairs().filter(|(a, b)| a.is_finite() && b.is_finite());
-        let apart = known().fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
-        let size = known().fold(0.0, |most, (a, _)| f64::max(most, a.abs()));
+        let pairs = self.levels.iter().take(1).flatten().zip(&self.again);
+        let known = pairs.filter(|(a, b)| a.is_finite() && b.is_finite());
+        let (apart, size) = known.fold((0.0, 0.0), |(apart, size), (a, b)| {
+            (f64::max(apart, (a - b).abs()), f64::max(size, a.abs()))
+        });
         apart > SAME * size
     }
 }
@@ -139,11 +139,11 @@ impl Referee<'_> {
             let own = apart(levels, levels + 1);
             squares.add(&next.chain(to_reference).chain([own]).collect::<Vec<f64>>());
         }
-        let (differences, errors) =
-            (squares.part(0..levels - 1), squares.part(levels - 1..2 * levels - 1));
+        let differences = squares.part(0..levels - 1);
+        let errors = squares.part(levels - 1..2 * levels - 1);
         let reference_error = squares.mean(2 * levels - 1).sqrt();
-        let (limit, own_noise) =
-            (strong_limit(&errors, &differences, reference_error), states.differ());
+        let limit = strong_limit(&errors, &differences, reference_error);
+        let own_noise = states.differ();
         let taus = sizes.taus(t_end)[..levels].to_vec();
         let between = &taus[..levels - 1];
         let one_step = self.one_step(&states.single).filter(|_| !own_noise);
@@ -160,7 +160,7 @@ impl Referee<'_> {
             Limit::Differs { .. } if !own_noise => self.solves(states, &paths),
             _ => None,
         };
-        let weak = observables.iter().map(|phi| {
+        let of_observable = |phi: &&dyn Observe| {
             let mut moments = CrossMoments::new(levels);
             for &path in &paths {
                 let at = |level: usize| value(*phi, of(level, path));
@@ -173,14 +173,14 @@ impl Referee<'_> {
             let (fitted, limit) = (moments.part(0..levels - 1), weak_limit(&moments));
             let order = weak(between, &fitted, Against::HalfStep, limit, rounding);
             (phi.name().to_owned(), order)
-        });
-        let mut weak: Vec<(String, Order)> = weak.collect();
+        };
+        let mut weak: Vec<_> = observables.iter().map(of_observable).collect();
         // Paths that converge have means that converge.
-        let other = weak.iter().find(|(_, order)| matches!(order.limit, Limit::Differs { .. }));
-        if let Some((_, order)) = other {
-            (strong.limit, strong.decision) = (order.limit, Decision::WrongLimit);
+        let mut limits = weak.iter().map(|(_, order)| order.limit);
+        if let Some(other) = limits.find(|limit| matches!(limit, Limit::Differs { .. })) {
+            (strong.limit, strong.decision) = (other, Decision::WrongLimit);
         }
-        for order in [&mut strong].into_iter().chain(weak.iter_mut().map(|(_, order)| order)) {
+        for order in weak.iter_mut().map(|(_, order)| order).chain([&mut strong]) {
             order.failed = failed as u64;
             // The rest says little about the solver.
             if 10 * failed > number {
@@ -206,24 +206,18 @@ impl Referee<'_> {
 
     /// The order of single steps.
     fn one_step(&self, single: &[[Vec<f64>; 2]]) -> Option<OneStep> {
-        let length = VISITS * self.setup.problem.y0.len();
-        let (mut known, t_end) = (single.iter(), self.setup.problem.t_end);
+        let (d, t_end) = (self.setup.problem.y0.len(), self.setup.problem.t_end);
+        let mut known = single.iter();
         let found = least_order(t_end, &self.sizes, &mut |_, strengths| {
-            let Some(ends) = known.next() else { return Vec::new() };
-            let of = |place: usize| {
-                let range = place * length..(place + 1) * length;
-                let [one, two] =
-                    ends.each_ref().map(|ends| ends[range.clone()].chunks(length / VISITS));
-                let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-                let finite = |(a, b): &(&[f64], &[f64])| a.iter().chain(*b).all(|y| y.is_finite());
-                for (one, two) in one.zip(two).filter(finite) {
-                    square += distance(one, two);
-                    size += two.iter().map(|y| y * y).sum::<f64>();
-                    count += 1.0;
-                }
-                (square / count, size / count)
-            };
+            let Some([one, two]) = known.next() else { return Vec::new() };
             let places = strengths.iter().filter_map(|a| STRENGTHS.iter().position(|b| a == b));
+            let of = |place: usize| {
+                mean_squares((place * VISITS..(place + 1) * VISITS).filter_map(|state| {
+                    let [one, two] = [one, two].map(|ends| &ends[state * d..(state + 1) * d]);
+                    let apart: Vec<f64> = one.iter().zip(two).map(|(a, b)| a - b).collect();
+                    difference(&apart, two)
+                }))
+            };
             places.map(of).collect()
         })?;
         let (weights, mut known) = (self.weights(), single.iter());
@@ -231,29 +225,21 @@ impl Referee<'_> {
             return Some(found);
         }
         Some(found.with_mean(t_end, &self.sizes, &mut |_, strengths| {
-            let Some([one, two]) = known.next() else { return Vec::new() };
             // The noise is that of the problem.
-            if !strengths.contains(&1.0) {
-                return Vec::new();
-            }
-            let d = length / VISITS;
-            let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-            for state in 0..VISITS {
-                let mut mean = vec![0.0; d];
-                for (node, weight) in weights.iter().enumerate() {
-                    let at = (STRENGTHS.len() + node) * length + state * d;
-                    for (i, mean) in mean.iter_mut().enumerate() {
-                        *mean += weight * (one[at + i] - two[at + i]);
+            let ends = known.next().filter(|_| strengths.contains(&1.0));
+            let of = |[one, two]: &[Vec<f64>; 2]| {
+                mean_squares((0..VISITS).filter_map(|state| {
+                    let mut mean = vec![0.0; d];
+                    for (node, weight) in weights.iter().enumerate() {
+                        let at = ((STRENGTHS.len() + node) * VISITS + state) * d;
+                        for (i, mean) in mean.iter_mut().enumerate() {
+                            *mean += weight * (one[at + i] - two[at + i]);
+                        }
                     }
-                }
-                let y = &two[state * d..(state + 1) * d];
-                if mean.iter().chain(y).all(|x| x.is_finite()) {
-                    square += mean.iter().map(|x| x * x).sum::<f64>();
-                    size += y.iter().map(|y| y * y).sum::<f64>();
-                    count += 1.0;
-                }
-            }
-            vec![(square / count, size / count)]
+                    difference(&mean, &two[state * d..(state + 1) * d])
+                }))
+            };
+            ends.map(of).into_iter().collect()
         }))
     }
 
@@ -264,8 +250,8 @@ impl Referee<'_> {
         let integrals: Vec<f64> = problem.dampings().map(|one| one.integral(0.0, t_end)).collect();
         let decay = law.decay(&integrals);
         let levels = states.levels.iter().enumerate();
-        let defects = levels.flat_map(|(l, level)| paths.iter().map(move |path| (l, level, path)));
-        let defects = defects.map(|(l, level, path)| {
+        let all = levels.flat_map(|(l, level)| paths.iter().map(move |path| (l, level, path)));
+        let defects = all.map(|(l, level, path)| {
             let at = |states: &[f64]| (law.value)(&states[path * d..(path + 1) * d]);
             let exact = decay * at(&states.start);
             let defect = (at(level) - exact).abs() / exact.abs().max(f64::MIN_POSITIVE);

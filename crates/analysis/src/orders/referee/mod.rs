@@ -111,22 +111,22 @@ impl Referee<'_> {
         let ladder = sizes.ladder(setup, sizes.reference_steps(), 1, paths as u64)?;
         let end = |view: &View<'_>, p: usize| {
             let last = view.time == ladder.coarse_steps();
-            last.then(|| (view.first_path + p as u64, [1, 0].map(|run| state(view, run, p))))
+            last.then(|| (view.first_path + p as u64, [1, 0].map(|run| state(view.state(run), p))))
         };
         let new = || Collected { of: &end, found: Vec::new() };
         let ends = ladder.run_until(&sizes.stop, first, paths as u64, new).statistic.found;
         let mut found = [(); 3].map(|()| vec![f64::NAN; paths * d]);
-        for (block, states) in (0..).zip(found[0].chunks_mut(WIDTH * d)) {
-            let start = setup.problem.start(sizes.key, first + block * WIDTH as u64);
-            for (p, y) in states.chunks_mut(d).enumerate() {
-                y.iter_mut().zip(&start).for_each(|(y, row)| *y = row[p]);
-            }
+        let mut set = |place: usize, path: usize, y: &[f64]| {
+            found[place][path * d..(path + 1) * d].copy_from_slice(&y[..d]);
+        };
+        for first_of_block in (0..paths).step_by(WIDTH) {
+            let start = setup.problem.start(sizes.key, first + first_of_block as u64);
+            let of_block = 0..WIDTH.min(paths - first_of_block);
+            of_block.for_each(|p| set(0, first_of_block + p, &state(&start, p)));
         }
-        for (path, states) in ends {
-            let at = (path - first) as usize * d;
-            for (found, state) in found[1..].iter_mut().zip(states) {
-                found[at..at + d].copy_from_slice(&state[..d]);
-            }
+        for (path, [finest, coarse]) in ends {
+            set(1, (path - first) as usize, &finest);
+            set(2, (path - first) as usize, &coarse);
         }
         Ok(found)
     }

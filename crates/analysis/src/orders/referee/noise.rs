@@ -47,14 +47,15 @@ impl LevelNoise {
 
     /// Joins blocks of 32 paths side by side in each of `steps` steps.
     fn joined<'b>(blocks: impl Iterator<Item = &'b Self> + Clone, steps: usize) -> Self {
-        let of = |values: fn(&Self) -> &[f64]| -> Vec<f64> {
-            let step = |n: usize| {
-                blocks.clone().flat_map(move |block| {
-                    let all = values(block);
-                    &all[n * all.len() / steps..(n + 1) * all.len() / steps]
-                })
-            };
-            (0..steps).flat_map(step).copied().collect()
+        let of = |values: fn(&Self) -> &[f64]| {
+            let mut all = Vec::new();
+            for n in 0..steps {
+                for values in blocks.clone().map(values) {
+                    let of_step = n * values.len() / steps..(n + 1) * values.len() / steps;
+                    all.extend_from_slice(&values[of_step]);
+                }
+            }
+            all
         };
         Self {
             increments: of(|block| &block.increments),
@@ -80,10 +81,8 @@ impl Referee<'_> {
         let tau = self.setup.problem.t_end / sizes.reference_steps() as f64;
         let areas = (self.noises() > 1).then_some(self.noises());
         let source = drawn(sizes.key.paths_of(Purpose::Paths)?, tau, areas)?;
-        let blocks = (0..paths / WIDTH).into_par_iter().map(|block| {
-            let first = first + (block * WIDTH) as u64;
-            self.block(source(first))
-        });
+        let blocks = (0..paths / WIDTH).into_par_iter();
+        let blocks = blocks.map(|block| self.block(source(first + (block * WIDTH) as u64)));
         let blocks: Vec<_> = blocks.collect();
         let of_level = |l: usize| {
             let steps = (sizes.coarsest_steps << l) as usize;
@@ -111,22 +110,20 @@ impl Referee<'_> {
     /// again with stronger noise, by [strength, state]; then, of one noise, that of each
     /// node of the cubature by which means are computed.
     pub fn single_noise(&self, tau: f64) -> [LevelNoise; 2] {
-        let block = |[mut one, two]: [StepNoise; 2]| {
-            let [mut whole, mut halves] = [(); 2].map(|()| LevelNoise::default());
+        let mut blocks = Vec::new();
+        let mut push = |[mut one, two]: [StepNoise; 2]| {
+            let [mut whole, mut halves] = [LevelNoise::default(), LevelNoise::default()];
             halves.push(&one);
             halves.push(&two);
             one.join(&two);
             whole.push(&one);
-            [whole, halves]
+            blocks.push([whole, halves]);
         };
-        let firsts = || (0..VISITS as u64).step_by(WIDTH);
         let (none, key) = (self.none(), self.sizes.key);
-        let drawn = |strength: f64| {
-            firsts()
-                .map(move |first| (strength, first))
-                .map(|(strength, first)| block(two_steps(&none, key, first, 0.5 * tau, strength)))
-        };
-        let mut blocks: Vec<[LevelNoise; 2]> = STRENGTHS.into_iter().flat_map(drawn).collect();
+        let firsts = || (0..VISITS as u64).step_by(WIDTH);
+        for strength in STRENGTHS {
+            firsts().for_each(|first| push(two_steps(&none, key, first, 0.5 * tau, strength)));
+        }
         if self.noises() == 1 {
             for (noises, weights) in nodes(&none, 0.5 * tau) {
                 for node in 0..weights.len() {
@@ -134,7 +131,7 @@ impl Referee<'_> {
                     for (all, noise) in all.iter_mut().zip(&noises) {
                         (0..WIDTH).for_each(|p| all.copy_path(p, noise, node));
                     }
-                    firsts().for_each(|_| blocks.push(block(all.clone())));
+                    firsts().for_each(|_| push(all.clone()));
                 }
             }
         }
@@ -143,7 +140,9 @@ impl Referee<'_> {
 
     /// The weights of the nodes of [`single_noise`](Self::single_noise); none for several noises.
     pub(super) fn weights(&self) -> Vec<f64> {
-        let weights = || nodes(&self.none(), 1.0).into_iter().flat_map(|(_, weights)| weights);
-        if self.noises() == 1 { weights().collect() } else { Vec::new() }
+        if self.noises() != 1 {
+            return Vec::new();
+        }
+        nodes(&self.none(), 1.0).into_iter().flat_map(|(_, weights)| weights).collect()
     }
 }

@@ -24,12 +24,11 @@ pub struct Claims {
 
 /// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The claim holds: an order is at least the claimed one.
-    #[serde(rename = "confirmed")]
     Confirmed,
     /// The claim is wrong: an order is lower, or the limit is another.
-    #[serde(rename = "refuted")]
     Refuted,
     /// Undecided: the measurement neither confirms nor refutes the claim.
     #[serde(rename = "cannot tell")]
@@ -51,13 +50,10 @@ struct Line {
     words: String,
 }
 
+/// The name of the verdict in JSON.
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Confirmed => "confirmed",
-            Self::Refuted => "refuted",
-            Self::CannotTell => "cannot tell",
-        })
+        self.serialize(f)
     }
 }
 
@@ -103,8 +99,8 @@ impl Claims {
             }
             _ => strong.to_string(),
         };
-        let claimed = self.strong.map(|order| order.to_string());
-        say("strong order".into(), claimed.zip(verdict), words);
+        let claim = |claimed: f64| claimed.to_string();
+        say("strong order".into(), self.strong.map(claim).zip(verdict), words);
         for (name, order) in weak {
             let mut verdict = self.weak.map(|claimed| order.is_weakly(claimed));
             let mut words = order.to_string();
@@ -116,8 +112,7 @@ impl Claims {
                      itself {order}"
                 );
             }
-            let claimed = self.weak.map(|order| order.to_string());
-            say(format!("weak order of E[{name}]"), claimed.zip(verdict), words);
+            say(format!("weak order of E[{name}]"), self.weak.map(claim).zip(verdict), words);
         }
         for Law { law, defect, rounding } in laws {
             let (verdict, words) = if defect <= rounding {
