@@ -35,14 +35,15 @@ mod source;
 mod values;
 
 pub use file::{
-    BathTable, Calculus, ExpectTable, FiguresTable, Pair, SceneFile, StatisticsTable, SystemTable,
-    schema,
+    BathTable, Calculus, DampingTable, ExpectTable, FiguresTable, Pair, SceneFile, StatisticsTable,
+    SystemTable, schema,
 };
-pub use observe::{Further, Observable, Quantity, Vocabulary};
+pub use observe::{Further, Kind, Observable, Quantity, Vocabulary};
 pub use read::{Constants, Reading, among, is_column, parse, taken};
 pub use run::{AUTO, Changes, SchemeAndSeed, Set, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source, Wrong};
 pub use values::{
-    At, Count, Listed, MAX_VALUES, Parameter, Text, Values, count, digits, number, place,
+    At, Count, Formulas, Listed, MAX_VALUES, Name, Named, Parameter, Text, Values, count, digits,
+    number, place, strings, words,
 };

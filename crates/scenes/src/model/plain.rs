@@ -1,23 +1,23 @@
 //! A system from the fields of its equation, without B and Hamiltonians.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use casimir::{
     formula::{Definition, Equation, FormulaSystem},
     mc::Friction,
-    systems::run_time::Problem,
 };
 
 use super::{
     AtRunTime, Built,
     damping::{constant, damping},
     formulas::{misdefined, single},
+    problem,
 };
-use crate::{At, Calculus, Read, Reading, State, Text, refuse};
+use crate::{Calculus, Formulas, Read, Reading, State, refuse, strings, words};
 
 /// Builds the model of an equation. Damping of all components is friction, which every scheme takes
 /// exactly.
-pub fn build(reading: &Reading<'_>, drift: &At<Vec<At<Text>>>) -> Read<Built> {
+pub fn build(reading: &Reading, drift: &Formulas) -> Read<Built> {
     let Reading { file, constants, settings } = reading;
     let table = &file.system;
     single(table)?;
@@ -31,15 +31,14 @@ pub fn build(reading: &Reading<'_>, drift: &At<Vec<At<Text>>>) -> Read<Built> {
         );
     }
     let state = State::new(state)?;
-    let field = |texts: &At<Vec<At<Text>>>| texts.iter().map(|text| text.0.clone()).collect();
     let definition = Definition {
         name: file.title.clone().unwrap_or("equation".into()),
-        state: state.components.iter().map(|name| name.to_string()).collect(),
+        state: strings(&state.components),
         vectors: state.vectors.clone(),
         parameters: constants.numbers.clone(),
         equation: Some(Equation {
-            drift: field(drift),
-            noises: table.noise.iter().flatten().map(field).collect(),
+            drift: words(drift),
+            noises: table.noise.iter().flatten().map(words).collect(),
             ito: table.calculus.as_deref() == Some(&Calculus::Ito),
         }),
         ..Definition::default()
@@ -51,21 +50,7 @@ pub fn build(reading: &Reading<'_>, drift: &At<Vec<At<Text>>>) -> Read<Built> {
     if friction.is_empty() && file.damping.is_some() {
         friction.push(Friction { damping: of_all, components: (0..y0.len()).collect() });
     }
-    let problem = Problem::new(system.clone(), constant(0.0), y0.clone(), settings.until)
-        .map_err(|error| reading.initial_error(error))?;
-    Ok(Built {
-        sizes: Vec::new(),
-        names: system.names().clone(),
-        model: Box::new(AtRunTime {
-            initial: None,
-            problem,
-            friction,
-            formulas: Some(system),
-            facts: OnceLock::new(),
-            flows: OnceLock::new(),
-        }),
-        components: definition.state,
-        energy: None,
-        quantities: Vec::new(),
-    })
+    let problem = problem(reading, system.clone(), constant(0.0), y0.to_vec())?;
+    let names = system.names().clone();
+    Ok(Built::new(AtRunTime::new(problem, friction, Some(system)), names, None))
 }
