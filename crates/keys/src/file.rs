@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{
+use crate::{
     At, Count, Event, Few, Formulas, Name, Named, Parameter, Seed, Start, Structure, Text, Values,
 };
 

@@ -10,12 +10,7 @@ use casimir::{
     real::{Row, WIDTH, elementary},
 };
 
-use super::{
-    read::Constants,
-    source::{Read, Source},
-    values::{At, Listed, Start, Text},
-};
-use crate::refuse;
+use crate::{At, Constants, Listed, Read, Source, Start, Text, refuse};
 
 /// Least number of names z1, z2, … and of names u1, u2, …
 const MIN_NAMES: usize = 9;
@@ -72,7 +67,7 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     let states = states(source, file, at)?;
     let (number, y0) = (states.len(), states[0].clone());
     let law = format!("the {number} states of {file}, SHA-256 {}", hash(&*states));
-    let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
+    let draw = move |key, first, rows: &mut [Row]| {
         let places = uniform(&mut WienerRows::new(key, first));
         for p in 0..WIDTH {
             let place = if is_level(key) {

@@ -34,16 +34,10 @@ mod shorthand;
 mod source;
 mod values;
 
-pub use file::{
-    BathTable, Calculus, DampingTable, ExpectTable, FiguresTable, Pair, SceneFile, StatisticsTable,
-    SystemTable, schema,
-};
-pub use observe::{Further, Kind, Observable, Quantity, Vocabulary};
-pub use read::{Constants, Reading, among, is_column, parse, taken};
-pub use run::{AUTO, Changes, SchemeAndSeed, Set, Settings};
-pub use shorthand::{State, structure};
-pub use source::{Read, SceneError, Source, Wrong};
-pub use values::{
-    At, Count, Formulas, Listed, MAX_VALUES, Name, Named, Parameter, Text, Values, count, digits,
-    number, place, strings, words,
-};
+pub use file::*;
+pub use observe::*;
+pub use read::*;
+pub use run::*;
+pub use shorthand::*;
+pub use source::*;
+pub use values::*;

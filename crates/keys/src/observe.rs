@@ -9,11 +9,7 @@ use casimir::{
     real::{PathMask, Row, Rows, WIDTH},
 };
 
-use super::{
-    source::Read,
-    values::{At, Event, Text},
-};
-use crate::refuse;
+use crate::{At, Event, Read, Text, refuse};
 
 /// A function of the states of 32 paths; row i is component i.
 pub type OfRows = dyn Fn(&[Row], &mut Row) + Send + Sync;

@@ -4,13 +4,7 @@ use std::{fmt::Display, ops::Range, slice::from_ref};
 
 use casimir::formula::{Names, nearest};
 
-use super::{
-    file::{SceneFile, SystemTable},
-    run::Settings,
-    source::{Read, Wrong},
-    values::{At, Name, Parameter, Text},
-};
-use crate::refuse;
+use crate::{At, Name, Parameter, Read, SceneFile, Settings, SystemTable, Text, Wrong, refuse};
 
 /// A scene that is being read.
 pub struct Reading {

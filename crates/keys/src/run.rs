@@ -8,14 +8,9 @@ use casimir::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{
-    file::SceneFile,
-    initial::initial,
-    read::Constants,
-    source::{Read, Source},
-    values::{At, Count, Listed, Values, place},
+use crate::{
+    At, Constants, Count, Listed, Read, SceneFile, Source, Values, initial::initial, place, refuse,
 };
-use crate::refuse;
 
 /// Changes that a command line makes in a scene.
 #[cfg_attr(feature = "clap", derive(clap::Args))]

@@ -4,12 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use casimir::formula::{self, Formula, Names, nearest};
 
-use super::{
-    read::{is_column, taken},
-    source::Read,
-    values::{At, Listed, Name, Structure, words},
-};
-use crate::refuse;
+use crate::{At, Listed, Name, Read, Structure, is_column, refuse, taken, words};
 
 /// The components of a state, and vectors of them.
 pub struct State {
@@ -112,10 +107,10 @@ fn blocks(
     at: &At<Structure>,
 ) -> Read<BTreeMap<(usize, usize), String>> {
     let (mut gaps, mut found, mut rest) = (Vec::new(), Vec::new(), text);
-    while let Some((start, end)) = next_block(rest) {
-        gaps.push(&rest[..start]);
-        found.push(block_of(state, &rest[start..end], at)?);
-        rest = &rest[end..];
+    while let Some([gap, block, after]) = next_block(rest) {
+        gaps.push(gap);
+        found.push(block_of(state, block, at)?);
+        rest = after;
     }
     if found.is_empty() {
         block_of(state, text.trim(), at)?;
@@ -140,13 +135,10 @@ fn blocks(
     let mut names = names.clone();
     // A name that stands twice is told elsewhere.
     let known = state.components.iter().filter(|name| names.variable(name).is_ok()).count();
-    let zero = Formula::parse(&filled(&none), &names);
-    let is_other = match zero {
-        Ok(zero) => zero.value(&vec![1.0; known]) != 0.0,
-        Err(error) => error.unknown_name.is_none(),
-    };
-    if is_other {
-        refuse!(at, "each term of B is a multiple of a block");
+    match Formula::parse(&filled(&none), &names) {
+        Ok(zero) if zero.value(&vec![1.0; known]) == 0.0 => {}
+        Err(error) if error.unknown_name.is_some() => {}
+        _ => refuse!(at, "each term of B is a multiple of a block"),
     }
     Ok(sums.into_iter().map(|(place, of)| (place, filled(&of))).collect())
 }
@@ -154,21 +146,21 @@ fn blocks(
 /// The kinds of blocks.
 const BLOCKS: [&str; 3] = ["canonical", "spins", "rigid"];
 
-/// The place where the first block of a text begins and ends.
-fn next_block(text: &str) -> Option<(usize, usize)> {
+/// The first block of a text, between what is before and after it.
+fn next_block(text: &str) -> Option<[&str; 3]> {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let words = BLOCKS.iter().flat_map(|kind| text.match_indices(kind));
     let whole = words.filter(|(at, kind)| {
         !text[..*at].ends_with(is_letter) && !text[at + kind.len()..].starts_with(is_letter)
     });
     let (start, kind) = whole.min()?;
-    let end = start + kind.len();
-    let after = &text[end..];
-    let arguments = match after.trim_start().starts_with('(') {
-        true => after.find(')').map_or(after.len(), |at| at + 1),
-        false => 0,
+    let (gap, block) = text.split_at(start);
+    let end = match block[kind.len()..].trim_start().starts_with('(') {
+        true => block.find(')').map_or(block.len(), |at| at + 1),
+        false => kind.len(),
     };
-    Some((start, end + arguments))
+    let (block, after) = block.split_at(end);
+    Some([gap, block, after])
 }
 
 /// Entries of B by their rows and columns.

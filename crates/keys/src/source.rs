@@ -7,7 +7,7 @@ use casimir::{
     schemes::Device,
 };
 
-use super::values::{At, Text};
+use crate::{At, Text};
 
 /// A file with a scene.
 #[derive(Clone, Debug)]

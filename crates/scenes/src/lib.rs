@@ -134,27 +134,22 @@ impl Scene {
             given.extend(own.map(|(i, name)| Observable::new(name, Quantity::Component(i))));
         }
         let mut observables = Vec::<Observable>::new();
-        let formulas = file.observe.iter().map(|(name, text)| (name, Ok(text)));
-        let events = file.events.iter().map(|(name, event)| (name, Err(event)));
-        let conditions = file.probabilities.iter().map(|(name, text)| (name, Ok(text)));
-        for (name, entry) in formulas.chain(events).chain(conditions) {
+        let names = file.observe.keys().chain(file.events.keys()).chain(file.probabilities.keys());
+        for name in names {
             let known = components.contains(name)
                 || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(name));
             }
-            let new = match entry {
-                Err(event) => {
-                    let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
-                    let time = Observable::new(format!("{} time", **name), time);
-                    vec![Observable::new(&**name, happened), time]
-                }
-                Ok(formula) => {
-                    if file.probabilities.contains_key(name) {
-                        vocabulary.demand_condition(formula)?;
-                    }
-                    vec![Observable::new(&**name, vocabulary.observable(formula)?)]
-                }
+            let new = if let Some(event) = file.events.get(name) {
+                let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
+                let time = Observable::new(format!("{} time", **name), time);
+                vec![Observable::new(&**name, happened), time]
+            } else {
+                let condition = file.probabilities.get(name);
+                condition.map_or(Ok(()), |text| vocabulary.demand_condition(text))?;
+                let text = condition.unwrap_or_else(|| &file.observe[name]);
+                vec![Observable::new(&**name, vocabulary.observable(text)?)]
             };
             new.iter().for_each(|of| vocabulary.know(of));
             observables.extend(new);

@@ -4,11 +4,9 @@ use std::{collections::HashSet, ops::Range, sync::Arc};
 
 use casimir::formula::{Formula, Names};
 use indexmap::IndexMap;
+use keys::*;
 
-use super::{
-    At, Changes, Constants, Listed, MAX_VALUES, Parameter, Read, Scene, SceneError, SceneFile, Set,
-    Source, Text, among, parse, refuse,
-};
+use super::Scene;
 
 /// A parameter with its chosen values.
 pub struct Varied {
@@ -112,14 +110,14 @@ impl Sweep {
         let combination = |k: usize| {
             let (mut file, mut changes) = (file.clone(), Arc::clone(&changes));
             let chosen: Vec<_> = varied.iter().zip(places(&varied, k)).collect();
-            let text = |one: &Varied, place: usize| one.texts[place].clone();
-            chosen.iter().for_each(|(one, place)| put(&mut file, &one.name, text(one, *place)));
+            let set = |(one, place): &(&Varied, usize)| {
+                let text = one.texts[*place].clone();
+                Set { name: one.name.clone(), values: vec![text] }
+            };
+            let sets: Vec<Set> = chosen.iter().map(set).collect();
+            sets.iter().for_each(|set| put(&mut file, &set.name, set.values[0].clone()));
             if apart {
-                let set = |(one, place): &(&Varied, usize)| Set {
-                    name: one.name.clone(),
-                    values: vec![text(one, *place)],
-                };
-                Arc::make_mut(&mut changes).scheme.sets = chosen.iter().map(set).collect();
+                Arc::make_mut(&mut changes).scheme.sets = sets;
             }
             let mut scene = Scene::of(source, file, &changes, !apart)?;
             if changes.independent {

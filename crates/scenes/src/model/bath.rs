@@ -8,9 +8,9 @@ use casimir::{
     real::{Row, Rows},
     systems::{Linearity, run_time::System},
 };
+use keys::*;
 
 use super::damping::{Rates, of_rate, rates};
-use crate::{At, BathTable, Named, Observable, Quantity, Read, Reading, Text, refuse};
 
 /// Fractions of T at which the conditions of a bath are checked, at points around the initial
 /// value.
@@ -74,13 +74,9 @@ pub fn heats(
     }
     let functions = shares.last().map_or(0, |share| share.functions.end);
     let mut others = system.description().noises - (functions - exact.len())..;
-    let mut converted = first..;
-    let places: Vec<usize> = (0..functions)
-        .filter_map(|k| match exact.iter().any(|(n, ..)| *n == k) {
-            true => converted.next(),
-            false => others.next(),
-        })
-        .collect();
+    let converted = |k| exact.iter().position(|(n, ..)| *n == k).map(|place| first + place);
+    let place = |k| converted(k).or_else(|| others.next());
+    let places: Vec<usize> = (0..functions).filter_map(place).collect();
     let heat = |(n, Share { noises, functions, friction }): (usize, &Share)| {
         let noises: Vec<usize> =
             noises.clone().chain(places[functions.clone()].iter().copied()).collect();

@@ -7,10 +7,8 @@ use casimir::{
     mc::Friction,
     systems::{Constant, Damping, probe::rate_integrals},
 };
-
 use indexmap::IndexMap;
-
-use crate::{At, DampingTable, Name, Read, Reading, Text, digits, place, refuse};
+use keys::*;
 
 /// The components with a rate, where each is damped alone: the text of the rate, and the damping.
 pub type Rates<'a> = Vec<(usize, &'a str, Arc<dyn Damping>)>;

@@ -1,9 +1,9 @@
-//! A system from formulas.
+//! A system from formulas: B and Hamiltonians, or the fields of an equation without them.
 
 use std::sync::Arc;
 
 use casimir::{
-    formula::{Definition, DefinitionError, FormulaSystem, Which},
+    formula::{Definition, DefinitionError, Equation, FormulaSystem, Which},
     inspect::facts::energy,
     mc::{self, Friction, demand},
     systems::{
@@ -11,16 +11,13 @@ use casimir::{
         run_time::{Problem, System},
     },
 };
+use keys::*;
 
 use super::{
     AtRunTime, Built,
     bath::{baths, heats},
     damping::{constant, damping},
     problem,
-};
-use crate::{
-    At, BathTable, Calculus, Further, Listed, Name, Parameter, Read, Reading, State, SystemTable,
-    Wrong, place as place_of, refuse, strings, structure as texts, words,
 };
 
 /// Bytes of an entry of B, and those of what is made of a component.
@@ -52,22 +49,13 @@ pub fn build(reading: &Reading) -> Read<Built> {
     demand(format!("the formulas of {d} components"), memory)
         .map_err(|error| Wrong::new(structure, error))?;
     let mut definition = Definition {
-        name: file.title.clone().unwrap_or("formulas".into()),
-        state: strings(&state.components),
-        vectors: state.vectors.clone(),
-        parameters: constants.numbers.clone(),
-        structure: texts((&state, &constants.names), structure)?,
+        structure: keys::structure((&state, &constants.names), structure)?,
         energy: energy.0.clone(),
         noises: table.noises.as_ref().map_or(Vec::new(), words),
-        ..Definition::default()
+        ..definition(reading, &state, "formulas")
     };
-    let y0 = &settings.initial;
     let shares = baths(reading, &mut definition)?;
-    let made = |definition: &Definition| {
-        let system = FormulaSystem::new(definition, y0);
-        system.map_err(|error| misdefined(reading, &state, &error))
-    };
-    let mut system = made(&definition)?;
+    let mut system = defined(reading, &state, &definition)?;
     let (damping, mut friction) = damping(reading, &definition.state, &state.vectors)?;
     // Baths that are friction and noise of one component, and are exact as such.
     let (of_baths, first) = (system.friction(), definition.noises.len());
@@ -76,19 +64,69 @@ pub fn build(reading: &Reading) -> Read<Built> {
         friction.push(Friction { damping: constant(rate), components: vec![component] });
     }
     if !of_baths.is_empty() {
-        system = made(&definition)?;
+        system = defined(reading, &state, &definition)?;
     }
     let quantities = heats(&shares, &system, (&of_baths, first));
-    let system = Arc::new(system);
-    let names = system.names().clone();
-    let problem = problem(reading, system.clone(), damping, y0.to_vec())?;
+    let (names, system) = (system.names().clone(), Arc::new(system));
+    let problem = problem(reading, system.clone(), damping, settings.initial.to_vec())?;
     compare(reading, &system, (&problem, &friction))?;
     let model = AtRunTime::new(problem, friction, Some(system));
     Ok(Built { quantities, ..Built::new(model, names, Some(Further::Energy(energy.clone()))) })
 }
 
+/// Builds the model of an equation that has neither B nor H. Damping of all components is friction,
+/// which every scheme takes exactly.
+pub fn build_plain(reading: &Reading, drift: &Formulas) -> Read<Built> {
+    let Reading { file, settings, .. } = reading;
+    let table = &file.system;
+    single(table)?;
+    let Some(state) = &table.state else {
+        refuse!(drift, "[system] needs `state`, the names of the components");
+    };
+    if let Some(bath) = file.bath.first() {
+        refuse!(
+            &bath.temperature,
+            "a heat bath belongs to an energy: give B and H0 as well, or its noise and damping"
+        );
+    }
+    let state = State::new(state)?;
+    let definition = Definition {
+        equation: Some(Equation {
+            drift: words(drift),
+            noises: table.noise.iter().flatten().map(words).collect(),
+            ito: table.calculus.as_deref() == Some(&Calculus::Ito),
+        }),
+        ..definition(reading, &state, "equation")
+    };
+    let (system, y0) = (defined(reading, &state, &definition)?, &settings.initial);
+    let (of_all, mut friction) = damping(reading, &definition.state, &state.vectors)?;
+    if friction.is_empty() && file.damping.is_some() {
+        friction.push(Friction { damping: of_all, components: (0..y0.len()).collect() });
+    }
+    let (names, system) = (system.names().clone(), Arc::new(system));
+    let problem = problem(reading, system.clone(), constant(0.0), y0.to_vec())?;
+    Ok(Built::new(AtRunTime::new(problem, friction, Some(system)), names, None))
+}
+
+/// A definition of a state and parameters, with the name of the title or else this one.
+fn definition(Reading { file, constants, .. }: &Reading, state: &State, name: &str) -> Definition {
+    Definition {
+        name: file.title.as_deref().unwrap_or(name).into(),
+        state: strings(&state.components),
+        vectors: state.vectors.clone(),
+        parameters: constants.numbers.clone(),
+        ..Definition::default()
+    }
+}
+
+/// The system of a definition.
+fn defined(reading: &Reading, state: &State, definition: &Definition) -> Read<FormulaSystem> {
+    FormulaSystem::new(definition, &reading.settings.initial)
+        .map_err(|error| misdefined(reading, state, &error))
+}
+
 /// Refuses parameters that are lists.
-pub fn single(table: &SystemTable) -> Read<()> {
+fn single(table: &SystemTable) -> Read<()> {
     let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
     if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
         refuse!(value, "the parameter `{}` of formulas is one number", **key);
@@ -111,7 +149,9 @@ fn compare(
     let SystemTable { calculus, drift, noise, .. } = &reading.file.system;
     let noise = noise.as_deref().unwrap_or_default();
     let Some(drift) = drift else {
-        let Some(place) = place_of(calculus).or(noise.first().map(At::span)) else { return Ok(()) };
+        let Some(place) = keys::place(calculus).or(noise.first().map(At::span)) else {
+            return Ok(());
+        };
         refuse!(place, "`calculus` and `noise` are for an equation: give its `drift` as well");
     };
     let of = mc::Problem::at_run_time(problem).with_friction(friction);
@@ -199,7 +239,7 @@ pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
 }
 
 /// The error in a definition, at its place in the scene.
-pub fn misdefined(reading: &Reading, state: &State, error: &DefinitionError) -> Wrong {
+fn misdefined(reading: &Reading, state: &State, error: &DefinitionError) -> Wrong {
     let table = &reading.file.system;
     let structure = table.structure.as_ref();
     let (mut formula, mut place) = (None, structure.map(At::span));
@@ -239,7 +279,7 @@ pub fn misdefined(reading: &Reading, state: &State, error: &DefinitionError) -> 
             // A name in the message is in quotes.
             let is_named = |name: &&Name| error.message.contains(&format!("`{}`", ***name));
             let name = state.components.iter().rfind(is_named);
-            place = name.map(At::span).or(place_of(&table.state));
+            place = name.map(At::span).or(keys::place(&table.state));
         }
     }
     match (formula, &error.formula) {

@@ -13,9 +13,10 @@ use casimir::{
         run_time::{self, System},
     },
 };
+use keys::*;
 
 use super::{Built, Model, damping::damping, lattice::Start, project::valid};
-use crate::{Further, Observable, Quantity, Read, Reading, Scene, place, refuse};
+use crate::Scene;
 
 /// A large lattice. Its components are means: the mean spin, the energy per spin, and the mean spin
 /// of each site of a cell with several.

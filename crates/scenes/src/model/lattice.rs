@@ -15,12 +15,9 @@ use casimir::{
         run_time::{Lanes, System, Weights},
     },
 };
+use keys::*;
 
 use super::{AtRunTime, Built, damping::damping, large::Large, problem, project::valid};
-use crate::{
-    At, BathTable, Further, Observable, Parameter, Quantity, Read, Reading, Settings, Text, Wrong,
-    among, refuse,
-};
 
 /// The parameters of a lattice.
 pub const PARAMETERS: &str = "sizes, periodic, lattice, exchange, next, dmi, interfacial, moment, \
@@ -90,14 +87,12 @@ pub fn bath(reading: &Reading, each: usize) -> Read<Option<(Vec<f64>, f64)>> {
 
 /// One number for all of `count`, or a number for each.
 fn each(reading: &Reading, name: &str, default: f64, count: usize) -> Read<Vec<f64>> {
-    match &reading.list(name, &[default])?[..] {
-        [one] => Ok(vec![*one; count]),
-        all if all.len() == count => Ok(all.to_vec()),
-        all => {
-            let each = if count > 1 { format!(" or {count}") } else { String::new() };
-            refuse!(reading.place(name), "`{name}` takes 1{each} numbers here, got {}", all.len())
-        }
+    let all = reading.list(name, &[default])?;
+    if ![1, count].contains(&all.len()) {
+        let each = if count > 1 { format!(" or {count}") } else { String::new() };
+        refuse!(reading.place(name), "`{name}` takes 1{each} numbers here, got {}", all.len());
     }
+    Ok((0..count).map(|k| all[k % all.len()]).collect())
 }
 
 /// The unit cell.

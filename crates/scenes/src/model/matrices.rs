@@ -6,11 +6,11 @@ use casimir::{
     formula::Names,
     inspect::facts::Bath,
     mc::{Initial, Observe, Problem, bind_at_run_time},
-    noise::StreamKey,
     real::{PathMask, Row, WIDTH},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{self, System},
 };
+use keys::*;
 use matrix::{
     Function, Grid, InCoordinates, MatrixSystem, OnMatrices, Quantum, Scheme, Sphere,
     SpinCouplings, Stirring, SuSpins, c64, coordinates, matrices, pure,
@@ -22,7 +22,6 @@ use super::{
     lattice, problem,
     project::{numbered, valid},
 };
-use crate::{At, Further, Observable, Parameter, Quantity, Read, Reading, Text, place, refuse};
 
 /// The parameters of the systems.
 pub const FLUID: &str = "size = 16, rotation = 0, advection = 1, degrees, strengths, spectrum = 8";
@@ -123,17 +122,16 @@ fn built(reading: &Reading, system: Arc<dyn MatrixSystem>, parts: Parts) -> Read
     };
     let y0 = state(&settings.initial);
     let initial = settings.random.clone().map(|Initial { law, draw }| {
-        let given = settings.initial.len();
-        let given = if given == dimension { dimension } else { numbers.max(given) };
-        let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
+        let given = numbers.max(settings.initial.len());
+        let draw = Arc::new(move |key, first, rows: &mut [Row]| {
             let mut drawn = vec![[0.0; WIDTH]; given];
             draw(key, first, &mut drawn);
             for p in 0..WIDTH {
                 let of_path: Vec<f64> = drawn.iter().map(|row| row[p]).collect();
                 rows.iter_mut().zip(state(&of_path)).for_each(|(row, y)| row[p] = y);
             }
-        };
-        Initial { law, draw: Arc::new(draw) }
+        });
+        Initial { law, draw }
     });
     let (damping, friction) = damping(reading, names.variables(), &[])?;
     if !friction.is_empty() {
@@ -214,17 +212,8 @@ pub fn fluid(reading: &Reading) -> Read<Built> {
     built(reading, fluid, parts)
 }
 
-/// ψψ* at each site, or at all if there is one ψ; of length one.
-fn coherent(n: usize, sites: usize) -> Box<Start> {
-    Box::new(move |given| {
-        let mut w = Vec::with_capacity(sites * n * n);
-        given.chunks(n).cycle().take(sites).for_each(|psi| pure(psi, &mut w));
-        w
-    })
-}
-
-/// Checks the number of initial numbers, and that ψ is not zero.
-fn demand(reading: &Reading, n: usize, sites: usize) -> Read<()> {
+/// ψψ* at each site, or at all if there is one ψ, which must not be zero; of length one.
+fn coherent(reading: &Reading, n: usize, sites: usize) -> Read<Box<Start>> {
     let given = &reading.settings.initial;
     let (all, count) = (sites * n * n, given.len());
     if ![all, n, sites * n].contains(&count) {
@@ -237,7 +226,11 @@ fn demand(reading: &Reading, n: usize, sites: usize) -> Read<()> {
     if count != all && given.chunks(n).any(|psi| psi.iter().all(|x| *x == 0.0)) {
         refuse!(given, "amplitudes must not all be zero");
     }
-    Ok(())
+    Ok(Box::new(move |given| {
+        let mut w = Vec::with_capacity(all);
+        given.chunks(n).cycle().take(sites).for_each(|psi| pure(psi, &mut w));
+        w
+    }))
 }
 
 /// SU(N) spins on a lattice.
@@ -255,10 +248,9 @@ pub fn spins(reading: &Reading) -> Read<Built> {
         bath: lattice::bath(reading, 1)?.map(|(alphas, kt)| [alphas[0], kt]),
     };
     let spins = Arc::new(reading.checked("levels", SuSpins::new(n, shape, couplings))?);
-    demand(reading, n, sites)?;
     let components = (1..=sites).flat_map(|site| (1..=size).map(move |k| format!("s{site}_{k}")));
     let parts = Parts {
-        start: coherent(n, sites),
+        start: coherent(reading, n, sites)?,
         numbers: sites * n,
         equation: "dρᵢ = −i[∂H/∂ρᵢ, ρᵢ] dt + bath, H = Σ(D(Sz)² + K(Sz)⁴ − h·S) − JΣ Sᵢ·Sⱼ",
         names: valid(components),
@@ -284,9 +276,8 @@ pub fn quantum(reading: &Reading) -> Read<Built> {
     let noises = noises.chunks(n * n).map(<[c64]>::to_vec).collect();
     let quantum = Quantum::new(n, hamiltonian, noises);
     let quantum = Arc::new(reading.checked("hamiltonian", quantum)?);
-    demand(reading, n, 1)?;
     let parts = Parts {
-        start: coherent(n, 1),
+        start: coherent(reading, n, 1)?,
         numbers: n,
         equation: "dρ = −i[H, ρ] dt − iΣ[Lₘ, ρ] ∘ dWₘ",
         names: numbered(n * n),
@@ -307,8 +298,8 @@ fn operators(reading: &Reading, name: &str) -> Read<Vec<c64>> {
     let units = usize::from(names.variable("i").is_ok());
     let entry = |text: &At<Text>| {
         let formula = text.formula(&names)?;
-        let [zero, one, two] = [0.0, 1.0, 2.0].map(|i| formula.value(&[i][..units]));
-        let (re, im) = (zero, one - zero);
+        let [re, one, two] = [0.0, 1.0, 2.0].map(|i| formula.value(&[i][..units]));
+        let im = one - re;
         if !(re + im).is_finite() || (two - re - 2.0 * im).abs() > 1e-12 * (re.abs() + im.abs()) {
             refuse!(text, "`{}` is no number a + b*i", text.0);
         }

@@ -7,7 +7,6 @@ mod formulas;
 mod large;
 mod lattice;
 mod matrices;
-mod plain;
 mod project;
 
 use std::sync::{Arc, OnceLock};
@@ -26,8 +25,7 @@ use casimir::{
         run_time::{self, Description, System},
     },
 };
-
-use crate::{Further, Observable, Read, Reading, SystemTable, Wrong};
+use keys::*;
 
 pub use large::Large;
 pub use lattice::MANY_SITES;
@@ -346,28 +344,28 @@ pub fn build(reading: &Reading) -> Read<Built> {
     let is_plain = structure.is_none() && energy.is_none() && noises.is_none();
     match (name, drift) {
         (Some(name), _) => project::build(reading, name),
-        (None, Some(drift)) if is_plain => plain::build(reading, drift),
+        (None, Some(drift)) if is_plain => formulas::build_plain(reading, drift),
         _ => formulas::build(reading),
     }
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.
 pub fn with_names(text: &str, components: &[String]) -> String {
-    let mut named = String::new();
-    let mut rest = text;
-    while let Some(at) = rest.find('y') {
-        let (before, found) = rest.split_at(at);
-        let digits = found[1..].bytes().take_while(u8::is_ascii_digit).count();
-        let begins = !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
-        let name = found[1..=digits].parse().ok().filter(|n: &usize| begins && *n > 0);
-        named += before;
-        match name.and_then(|number| components.get(number - 1)) {
+    let mut parts = text.split('y');
+    let mut before = parts.next().unwrap_or_default();
+    let mut named = before.to_owned();
+    for part in parts {
+        let (digits, rest) = part.split_at(part.bytes().take_while(u8::is_ascii_digit).count());
+        let is_word = before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let number = digits.parse::<usize>().ok().filter(|_| !is_word);
+        match number.and_then(|number| components.get(number.checked_sub(1)?)) {
             Some(name) => named += name,
-            None => named += &found[..=digits],
+            None => named += &format!("y{digits}"),
         }
-        rest = &found[1 + digits..];
+        named += rest;
+        before = rest;
     }
-    named + rest
+    named
 }
 
 #[cfg(test)]

@@ -12,11 +12,10 @@ use casimir::{
         run_time::{self, System},
     },
 };
-
 use kernels::Tuned;
+use keys::*;
 
 use super::{Built, Model, damping::damping, lattice, matrices};
-use crate::{At, Further, Name, Quantity, Read, Reading, Wrong, among, place, refuse};
 
 /// A function that builds the model of a system.
 type Build = fn(&Reading) -> Read<Built>;
@@ -24,7 +23,7 @@ type Build = fn(&Reading) -> Read<Built>;
 /// Name, parameters with their defaults, description and model of every system.
 pub const PROJECT: [(&str, &str, &str, Build); 9] = [
     ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
-        with_c(reading, Pendulum::new)
+        built(reading, "c", Pendulum::new(only_c(reading)?))
     }),
     (
         "rigid-body",
@@ -33,14 +32,14 @@ pub const PROJECT: [(&str, &str, &str, Build); 9] = [
         rigid_body,
     ),
     ("lotka-volterra", "c = 1", "three species with a quadratic B, one noise", |reading| {
-        with_c(reading, LotkaVolterra::<1, 1>::new)
+        built(reading, "c", LotkaVolterra::<1, 1>::new(only_c(reading)?))
     }),
     ("maxwell-bloch", "", "laser–matter equations, one noise", |reading| {
         reading.know("")?;
-        built(reading, MaxwellBloch)
+        built(reading, "", Ok(MaxwellBloch))
     }),
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise", |reading| {
-        with_c(reading, Poisson3::new)
+        built(reading, "c", Poisson3::new(only_c(reading)?))
     }),
     ("spin-lattice", lattice::PARAMETERS, "classical spins on a lattice", lattice::build),
     ("sphere-euler", matrices::FLUID, "Euler's equations on a sphere by matrices", matrices::fluid),
@@ -89,13 +88,8 @@ fn rigid_body(reading: &Reading) -> Read<Built> {
         refuse!(reading.place("noise"), "`noise` must be positive and finite, got {b}");
     }
     match noise[..] {
-        [noise] => {
-            built(reading, reading.checked("inertia", RigidBody::one_noise(inertia, noise))?)
-        }
-        [a, b, c] => {
-            let body = RigidBody::three_noises(inertia, [a, b, c]);
-            built(reading, reading.checked("inertia", body)?)
-        }
+        [noise] => built(reading, "inertia", RigidBody::one_noise(inertia, noise)),
+        [a, b, c] => built(reading, "inertia", RigidBody::three_noises(inertia, [a, b, c])),
         _ => {
             let number = noise.len();
             refuse!(reading.place("noise"), "`noise` has one or three numbers, got {number}");
@@ -103,23 +97,22 @@ fn rigid_body(reading: &Reading) -> Read<Built> {
     }
 }
 
-/// The model of a system with the size `c` of its noise.
-fn with_c<S, const D: usize, const M: usize>(
+/// The size `c` of a noise, the only parameter.
+fn only_c(reading: &Reading) -> Read<f64> {
+    reading.know("c")?;
+    reading.number("c", 1.0)
+}
+
+/// The model with the names y1, …, yD of a system, whose error is about a parameter.
+fn built<S, const D: usize, const M: usize>(
     reading: &Reading,
-    new: fn(f64) -> Result<S, SystemError>,
+    parameter: &str,
+    system: Result<S, SystemError>,
 ) -> Read<Built>
 where
     S: Tuned<D, M> + Copy + 'static,
 {
-    reading.know("c")?;
-    built(reading, reading.checked("c", new(reading.number("c", 1.0)?))?)
-}
-
-/// The model with the names y1, …, yD.
-fn built<S, const D: usize, const M: usize>(reading: &Reading, system: S) -> Read<Built>
-where
-    S: Tuned<D, M> + Copy + 'static,
-{
+    let system = reading.checked(parameter, system)?;
     let initial = &reading.settings.initial;
     let Ok(y0) = <[f64; D]>::try_from(&initial[..]) else {
         let components = initial.len();
