@@ -34,10 +34,8 @@ pub enum Kind {
 pub enum Quantity {
     /// A component.
     Component(usize),
-    /// A function of the state, and of what a path has collected.
+    /// A function of the state, and of what a path has collected in the rows after it.
     Function(Kind, Arc<OfRows>),
-    /// A number collected by the path, in this row after its state.
-    Collected(Kind, usize),
 }
 
 impl Quantity {
@@ -49,7 +47,7 @@ impl Quantity {
     /// Writes the values on 32 paths.
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
-            Self::Component(row) | Self::Collected(_, row) => *values = y[*row],
+            Self::Component(row) => *values = y[*row],
             Self::Function(_, of) => of(y, values),
         }
     }
@@ -58,7 +56,7 @@ impl Quantity {
     pub fn kind(&self) -> Kind {
         match self {
             Self::Component(_) => Kind::Smooth,
-            Self::Function(kind, _) | Self::Collected(kind, _) => *kind,
+            Self::Function(kind, _) => *kind,
         }
     }
 
@@ -166,7 +164,10 @@ impl Vocabulary {
         let first = self.start.len();
         self.start.extend(at_start);
         self.collected.push(what);
-        from_fn(|k| Quantity::Collected(kind, first + k))
+        from_fn(|k| {
+            let number = move |y: &[Row], values: &mut Row| *values = y[first + k];
+            Quantity::Function(kind, Arc::new(number))
+        })
     }
 
     /// The quantity of a further input; the first is the time.

@@ -232,14 +232,6 @@ impl Start {
 
 /// Builds the model of a lattice.
 pub fn build(reading: &Reading) -> Read<Built> {
-    if let Some(place) = reading.place("dipolar") {
-        refuse!(
-            place,
-            "dipolar fields are not computed: each spin acts on all others, which takes a Fourier \
-             transform for each evaluation and leaves no flow of a bond"
-        );
-    }
-    reading.know(PARAMETERS)?;
     let (mut sizes, shape) = shape(reading, 8.0)?;
     let cell = cell(reading)?;
     let (each_cell, bonds) = (cell.sites.len(), bonds(reading, &cell, sizes.len())?);

@@ -167,7 +167,6 @@ fn whole(reading: &Reading, name: &str, default: usize, range: Range<usize>) -> 
 
 /// Euler's equations on the sphere.
 pub fn fluid(reading: &Reading) -> Read<Built> {
-    reading.know(FLUID)?;
     let n = whole(reading, "size", 16, 2..matrix::Harmonics::LARGEST + 1)?;
     let rotation = reading.number("rotation", 0.0)?;
     if let (true, Some(table)) = (rotation != 0.0, &reading.file.damping) {
@@ -235,7 +234,6 @@ fn coherent(reading: &Reading, n: usize, sites: usize) -> Read<Box<Start>> {
 
 /// SU(N) spins on a lattice.
 pub fn spins(reading: &Reading) -> Read<Built> {
-    reading.know(SPINS)?;
     let n = whole(reading, "levels", 3, 2..17)?;
     let (_, shape) = lattice::shape(reading, 1.0)?;
     let (sites, size) = (shape.sites(), n * n);

@@ -23,7 +23,7 @@ type Build = fn(&Reading) -> Read<Built>;
 /// Name, parameters with their defaults, description and model of every system.
 pub const PROJECT: [(&str, &str, &str, Build); 9] = [
     ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
-        built(reading, "c", Pendulum::new(only_c(reading)?))
+        built(reading, "c", Pendulum::new(reading.number("c", 1.0)?))
     }),
     (
         "rigid-body",
@@ -32,14 +32,13 @@ pub const PROJECT: [(&str, &str, &str, Build); 9] = [
         rigid_body,
     ),
     ("lotka-volterra", "c = 1", "three species with a quadratic B, one noise", |reading| {
-        built(reading, "c", LotkaVolterra::<1, 1>::new(only_c(reading)?))
+        built(reading, "c", LotkaVolterra::<1, 1>::new(reading.number("c", 1.0)?))
     }),
     ("maxwell-bloch", "", "laser–matter equations, one noise", |reading| {
-        reading.know("")?;
         built(reading, "", Ok(MaxwellBloch))
     }),
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise", |reading| {
-        built(reading, "c", Poisson3::new(only_c(reading)?))
+        built(reading, "c", Poisson3::new(reading.number("c", 1.0)?))
     }),
     ("spin-lattice", lattice::PARAMETERS, "classical spins on a lattice", lattice::build),
     ("sphere-euler", matrices::FLUID, "Euler's equations on a sphere by matrices", matrices::fluid),
@@ -71,17 +70,25 @@ pub fn build(reading: &Reading, name: &Name) -> Read<Built> {
     if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         refuse!(place, "`{key}` is for formulas: remove it, or `name = \"{}\"`", **name);
     }
-    match PROJECT.iter().find(|(known, ..)| *known == **name) {
-        Some((.., build)) => build(reading),
-        None => {
-            let known = among(name, &PROJECT.map(|(known, ..)| known));
-            refuse!(name, "unknown system `{}`{known}", **name)
-        }
+    let Some((name, parameters, _, build)) = PROJECT.iter().find(|of| *of.0 == **name) else {
+        let known = among(name, &PROJECT.map(|(known, ..)| known));
+        refuse!(name, "unknown system `{}`{known}", **name)
+    };
+    if let ("spin-lattice", Some(at)) = (*name, reading.get("dipolar")) {
+        refuse!(
+            at,
+            "dipolar fields are not computed: each spin acts on all others, which takes a Fourier \
+             transform for each evaluation and leaves no flow of a bond"
+        );
     }
+    // Entries of the operators of a quantum system are formulas of any parameters.
+    if *name != "quantum" {
+        reading.know(parameters)?;
+    }
+    build(reading)
 }
 
 fn rigid_body(reading: &Reading) -> Read<Built> {
-    reading.know("inertia, noise")?;
     let inertia = reading.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
     let noise = reading.list("noise", &[1.0, 2.0, 3.0])?;
     if let Some(b) = noise.iter().find(|b| !(**b > 0.0 && b.is_finite())) {
@@ -95,12 +102,6 @@ fn rigid_body(reading: &Reading) -> Read<Built> {
             refuse!(reading.place("noise"), "`noise` has one or three numbers, got {number}");
         }
     }
-}
-
-/// The size `c` of a noise, the only parameter.
-fn only_c(reading: &Reading) -> Read<f64> {
-    reading.know("c")?;
-    reading.number("c", 1.0)
 }
 
 /// The model with the names y1, …, yD of a system, whose error is about a parameter.
