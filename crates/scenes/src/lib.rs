@@ -201,12 +201,10 @@ impl Scene {
         if scene.observables.is_empty() {
             refuse!(None, "so many components need observables: add [observe]");
         }
-        let chosen = |name: &Name| match is_column(name) {
+        scene.chosen = figures::chosen(&file.run.columns, |name| match is_column(name) {
             true => Ok(name.to_string()),
             false => scene.column(name, &GROUPS),
-        };
-        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
-        scene.chosen = chosen.transpose()?;
+        })?;
         scene.wanted = figures::wanted(&file.statistics, &scene, &constants)?;
         let conditions = file.probabilities.keys().chain(file.events.keys());
         scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();

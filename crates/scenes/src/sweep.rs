@@ -98,7 +98,7 @@ impl Sweep {
         let file = parse(&source.text)?;
         let mut varied = chosen(&file, &changes.scheme.sets)?;
         let numbers = varied.iter().map(|one| one.values.len() as u64);
-        let number = numbers.fold(1u64, u64::saturating_mul);
+        let number = numbers.fold(1, u64::saturating_mul);
         if number > MAX_VALUES {
             refuse!(
                 varied[0].place.clone(),
@@ -109,7 +109,12 @@ impl Sweep {
         let changes = Arc::new(changes.clone());
         let combination = |k: usize| {
             let (mut file, mut changes) = (file.clone(), Arc::clone(&changes));
-            let chosen: Vec<_> = varied.iter().zip(places(&varied, k)).collect();
+            // The last parameter changes fastest.
+            let (mut rest, mut chosen) = (k, Vec::new());
+            for one in varied.iter().rev() {
+                chosen.insert(0, (one, rest % one.values.len()));
+                rest /= one.values.len();
+            }
             let set = |(one, place): &(&Varied, usize)| {
                 let text = one.texts[*place].clone();
                 Set { name: one.name.clone(), values: vec![text] }
@@ -137,15 +142,6 @@ impl Sweep {
         varied.retain(Varied::is_axis);
         Ok(Self { varied, combinations })
     }
-}
-
-/// The number of the value of each parameter in a combination.
-fn places(varied: &[Varied], combination: usize) -> Vec<usize> {
-    let (mut rest, mut places) = (combination, vec![0; varied.len()]);
-    for (one, place) in varied.iter().zip(&mut places).rev() {
-        (rest, *place) = (rest / one.values.len(), rest % one.values.len());
-    }
-    places
 }
 
 /// The parameters chosen by the scene and by the command line, which takes precedence.
