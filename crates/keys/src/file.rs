@@ -1,10 +1,11 @@
 //! The keys of a scene file. Their comments are the descriptions in its JSON schema.
 
-use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Event, Few, Parameter, Seed, Start, Structure, Text, Values};
+use crate::{
+    At, Count, Event, Few, Formulas, Name, Named, Parameter, Seed, Start, Structure, Text, Values,
+};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Deserialize, JsonSchema)]
@@ -23,15 +24,15 @@ pub struct SceneFile {
     pub run: RunTable,
     /// Functions of the state that are of interest, by name.
     #[serde(default)]
-    pub observe: IndexMap<At<String>, At<Text>>,
+    pub observe: Named<Text>,
     /// Conditions whose probabilities in time are of interest, by name.
     #[serde(default)]
-    pub probabilities: IndexMap<At<String>, At<Text>>,
+    pub probabilities: Named<Text>,
     /// Events of a path, by name: the condition when one happens, `"q > 2"`, or a table of `when`
     /// and `stop`. An observable of this name is one from then on, `… time` is the time of the
     /// event.
     #[serde(default)]
-    pub events: IndexMap<At<String>, At<Event>>,
+    pub events: Named<Event>,
     /// Statistics of how observables depend on each other and on their past.
     #[serde(default)]
     pub statistics: StatisticsTable,
@@ -45,7 +46,7 @@ pub struct SceneFile {
     /// Values of parameters that are varied, with an answer for each combination: a list, or
     /// `"from:to:number"`.
     #[serde(default)]
-    pub sweep: IndexMap<At<String>, At<Values>>,
+    pub sweep: Named<Values>,
 }
 
 /// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`; or `state`,
@@ -54,13 +55,13 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields)]
 pub struct SystemTable {
     /// A system of the project, see `casimir new --list`. Not together with formulas.
-    pub name: Option<At<String>>,
+    pub name: Option<Name>,
     /// Values of names in formulas, or of the parameters of a system of the project.
     #[serde(default)]
-    pub parameters: IndexMap<At<String>, At<Parameter>>,
+    pub parameters: Named<Parameter>,
     /// The names of the components of y. `q[1..3]` stands for q1, q2, q3 and makes them a vector q,
     /// `s[xyz]` stands for sx, sy, sz, and `s[1..2][xyz]` for two such vectors s1 and s2.
-    pub state: Option<At<Vec<At<String>>>>,
+    pub state: Option<At<Vec<Name>>>,
     /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal. Or
     /// a sum of blocks: `canonical(q, p)`, `spins(s1, s2)` and `rigid`, which is B(y)v = y × v.
     #[serde(rename = "B")]
@@ -70,15 +71,15 @@ pub struct SystemTable {
     pub energy: Option<At<Text>>,
     /// The Hamiltonians Hₘ(y), one for each noise. Default: none.
     #[serde(rename = "H")]
-    pub noises: Option<At<Vec<At<Text>>>>,
+    pub noises: Option<Formulas>,
     /// The sense of `drift` and `noise`. Default: `stratonovich`.
     pub calculus: Option<At<Calculus>>,
     /// The drift, a formula for each component. Without B, H0 and H it is that of the system, and
     /// damping comes besides; with them it is that of the whole equation, damping included, which
     /// is compared with them.
-    pub drift: Option<At<Vec<At<Text>>>>,
+    pub drift: Option<Formulas>,
     /// The noise fields, a list of formulas for each noise, likewise.
-    pub noise: Option<Vec<At<Vec<At<Text>>>>>,
+    pub noise: Option<Vec<Formulas>>,
 }
 
 /// The sense of a stochastic equation.
@@ -98,10 +99,10 @@ pub struct DampingTable {
     /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
     pub rate: Option<At<Text>>,
     /// The components or vectors that have it. Default: all.
-    pub components: Option<At<Vec<At<String>>>>,
+    pub components: Option<At<Vec<Name>>>,
     /// Rates of components or vectors by name, in the place of `rate`. Others have none.
     #[serde(default)]
-    pub rates: IndexMap<At<String>, At<Text>>,
+    pub rates: Named<Text>,
 }
 
 /// A heat bath: noise and the damping that belongs to it, with exp(−H₀/kT) as its law.
@@ -116,11 +117,11 @@ pub struct BathTable {
     /// Rates γ of friction on momenta or vectors of them by name: Φ = √(2γmkT) q with the
     /// coordinate q and the mass m of the momentum.
     #[serde(default)]
-    pub friction: IndexMap<At<String>, At<Text>>,
+    pub friction: Named<Text>,
     /// The damping α of Landau and Lifshitz of spins by name, `s` for all spins of a lattice:
     /// Φ = √(2αkT/|s|) s for each component of a spin s.
     #[serde(default)]
-    pub transverse: IndexMap<At<String>, At<Text>>,
+    pub transverse: Named<Text>,
 }
 
 /// Settings of the simulation.
@@ -139,7 +140,7 @@ pub struct RunTable {
     /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`,
     /// `sexp-li`, `split`, `split-h`, `sexp-h`, `sexp-levy`, `sexp-li-levy`, `nv`, `baoab`,
     /// `midpoint`, `heun`, `heun-levy` or `em`. Default: `auto`.
-    pub scheme: Option<At<String>>,
+    pub scheme: Option<Name>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
     /// of all paths. Default: 1.
     pub paths: Option<At<Count>>,
@@ -147,7 +148,7 @@ pub struct RunTable {
     pub tables: Option<At<Count>>,
     /// The columns of tables: names of components, observables and laws, `components` for all of
     /// them, `laws` likewise. Default: all, but not more than twelve components.
-    pub columns: Option<Vec<At<String>>>,
+    pub columns: Option<Vec<Name>>,
     /// Number of saved times, evenly spaced; it divides the number of steps. Default: the largest
     /// number up to 200 that does.
     pub times: Option<At<Count>>,
@@ -166,12 +167,12 @@ pub struct RunTable {
 #[serde(deny_unknown_fields)]
 pub struct ExpectTable {
     /// Functions φ: names of components or observables, or formulas.
-    pub of: At<Vec<At<Text>>>,
+    pub of: Formulas,
     /// Half-width of the 95 % intervals.
     pub accuracy: At<f64>,
     /// Parameters θ for the derivatives of all expectations.
     #[serde(default)]
-    pub gradient: Vec<At<String>>,
+    pub gradient: Vec<Name>,
 }
 
 /// Parameters that `casimir fit` finds from data.
@@ -179,7 +180,7 @@ pub struct ExpectTable {
 #[serde(deny_unknown_fields)]
 pub struct FitTable {
     /// Names of the parameters, which are numbers; the search begins at their values.
-    pub parameters: Vec<At<String>>,
+    pub parameters: Vec<Name>,
 }
 
 /// Statistics of how observables depend on each other and on their past, from 100 paths on.
@@ -191,13 +192,13 @@ pub struct StatisticsTable {
     pub pairs: Vec<Pair>,
     /// Components or names of `observe`: autocorrelation and spectrum along paths.
     #[serde(default)]
-    pub autocorrelation: Vec<At<String>>,
+    pub autocorrelation: Vec<Name>,
     /// The time from which autocorrelations count. Default: 0.
     pub from: Option<At<Text>>,
 }
 
 /// Two columns of tables.
-pub type Pair = [At<String>; 2];
+pub type Pair = [Name; 2];
 
 /// The figures that are drawn, and their axes.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
@@ -207,10 +208,10 @@ pub struct FiguresTable {
     /// pairs of components.
     pub portraits: Option<Vec<Pair>>,
     /// The columns that are drawn, in this order. Default: all observables.
-    pub show: Option<Vec<At<String>>>,
+    pub show: Option<Vec<Name>>,
     /// Columns, and parameters of a sweep, with logarithmic axes.
     #[serde(default)]
-    pub log: Vec<At<String>>,
+    pub log: Vec<Name>,
 }
 
 /// The JSON schema of a scene file.

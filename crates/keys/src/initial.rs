@@ -10,22 +10,21 @@ use casimir::{
     real::{Row, WIDTH, elementary},
 };
 
-use super::{
-    read::Constants,
-    source::{Read, Source},
-    values::{At, Listed, Start, Text},
-};
-use crate::refuse;
+use crate::{At, Constants, Listed, Read, Source, Start, Text, refuse};
 
 /// Least number of names z1, z2, … and of names u1, u2, …
 const MIN_NAMES: usize = 9;
 
+/// Standard normals.
+fn normal(normals: &mut WienerRows) -> Row {
+    let mut row = [0.0; WIDTH];
+    normals.increments(1.0, from_mut(&mut row));
+    row
+}
+
 /// Numbers on (0, 1): the squared radius of two normals is exponential.
 fn uniform(normals: &mut WienerRows) -> Row {
-    let mut both = [[0.0; WIDTH]; 2];
-    normals.increments(1.0, &mut both[..1]);
-    normals.increments(1.0, &mut both[1..]);
-    let [z, w] = both;
+    let (z, w) = (normal(normals), normal(normals));
     std::array::from_fn(|p| elementary::exp(-0.5 * (z[p] * z[p] + w[p] * w[p])))
 }
 
@@ -47,8 +46,7 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
     for (number, line) in text.lines().enumerate() {
         let words = line.split([',', ' ', '\t']).filter(|word| !word.is_empty());
         let state: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        let finite = state.ok().filter(|state| state.iter().all(|x: &f64| x.is_finite()));
-        match finite {
+        match state.ok().filter(|state| state.iter().all(|x| x.is_finite())) {
             _ if line.trim().is_empty() || line.starts_with('#') => {}
             Some(state) if states.first().is_none_or(|first| first.len() == state.len()) => {
                 states.push(state);
@@ -67,10 +65,9 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
 /// own.
 fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     let states = states(source, file, at)?;
-    let (number, sum) = (states.len(), hash(&*states));
-    let law = format!("the {number} states of {file}, SHA-256 {sum}");
-    let y0 = states[0].clone();
-    let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
+    let (number, y0) = (states.len(), states[0].clone());
+    let law = format!("the {number} states of {file}, SHA-256 {}", hash(&*states));
+    let draw = move |key, first, rows: &mut [Row]| {
         let places = uniform(&mut WienerRows::new(key, first));
         for p in 0..WIDTH {
             let place = if is_level(key) {
@@ -127,11 +124,11 @@ pub fn initial(
         let mut point = vec![[0.0; WIDTH]; variables];
         for site in rows.chunks_mut(formulas.len()) {
             for &(k, is_uniform, of_place) in &used {
-                match of_place {
-                    Some(c) => point[k] = site[c],
-                    None if is_uniform => point[k] = uniform(&mut normals),
-                    None => normals.increments(1.0, from_mut(&mut point[k])),
-                }
+                point[k] = match of_place {
+                    Some(c) => site[c],
+                    None if is_uniform => uniform(&mut normals),
+                    None => normal(&mut normals),
+                };
             }
             for (formula, row) in formulas.iter().zip(site) {
                 *row = formula.values(&point);

@@ -34,15 +34,10 @@ mod shorthand;
 mod source;
 mod values;
 
-pub use file::{
-    BathTable, Calculus, ExpectTable, FiguresTable, Pair, SceneFile, StatisticsTable, SystemTable,
-    schema,
-};
-pub use observe::{Further, Observable, Quantity, Vocabulary};
-pub use read::{Constants, Reading, among, is_column, parse, taken};
-pub use run::{AUTO, Changes, SchemeAndSeed, Set, Settings};
-pub use shorthand::{State, structure};
-pub use source::{Read, SceneError, Source, Wrong};
-pub use values::{
-    At, Count, Listed, MAX_VALUES, Parameter, Text, Values, count, digits, number, place,
-};
+pub use file::*;
+pub use observe::*;
+pub use read::*;
+pub use run::*;
+pub use shorthand::*;
+pub use source::*;
+pub use values::*;

@@ -1,61 +1,73 @@
 //! Functions of the state that are of interest, and what paths collect for them: the time,
 //! integrals, averages and events.
 
-use std::{slice::from_mut, sync::Arc};
+use std::{array::from_fn, slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::{Formula, Names, Tape},
     mc::{Along, Gradient, Observe, Passage},
-    real::{PathMask, Row, WIDTH},
+    real::{PathMask, Row, Rows, WIDTH},
 };
 
-use super::{
-    source::{Read, Wrong},
-    values::{At, Event, Text},
-};
-use crate::refuse;
+use crate::{At, Event, Read, Text, refuse};
 
 /// A function of the states of 32 paths; row i is component i.
 pub type OfRows = dyn Fn(&[Row], &mut Row) + Send + Sync;
+
+/// How a quantity depends on the state; of several that are joined the last one counts.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Smoothly, as a formula or a function of the system such as its energy.
+    Smooth,
+    /// With `abs`, `min` or `max`.
+    Kinked,
+    /// With conditions, so that it may jump.
+    Jumping,
+    /// By what a path has collected.
+    AlongPath,
+    /// By what is observed at the ends of steps only: the error is of order √τ.
+    Monitored,
+}
 
 /// A function of the state.
 #[derive(Clone)]
 pub enum Quantity {
     /// A component.
     Component(usize),
-    /// A formula, or a function of the system such as its energy.
-    Function(Arc<OfRows>),
-    /// A formula with `abs`, `min` or `max`.
-    Kinked(Arc<OfRows>),
-    /// A formula with conditions, which may jump.
-    Jumping(Arc<OfRows>),
-    /// A formula of what a path has collected.
-    AlongPath(Arc<OfRows>),
-    /// A number collected by the path, in this row after its state.
-    Collected(usize),
-    /// A collected number that is observed at the ends of steps only: its error is of order √τ.
-    Monitored(usize),
+    /// A function of the state, and of what a path has collected in the rows after it.
+    Function(Kind, Arc<OfRows>),
 }
 
 impl Quantity {
+    /// A smooth function of the state.
+    pub fn smooth(of: impl Fn(&[Row], &mut Row) + Send + Sync + 'static) -> Self {
+        Self::Function(Kind::Smooth, Arc::new(of))
+    }
+
     /// Writes the values on 32 paths.
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
-            Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
-            Self::Function(of) | Self::Kinked(of) | Self::Jumping(of) | Self::AlongPath(of) => {
-                of(y, values)
-            }
+            Self::Component(row) => *values = y[*row],
+            Self::Function(_, of) => of(y, values),
+        }
+    }
+
+    /// How the quantity depends on the state.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Component(_) => Kind::Smooth,
+            Self::Function(kind, _) => *kind,
         }
     }
 
     /// Whether the quantity is a function of the state alone without jumps.
     pub fn is_continuous(&self) -> bool {
-        matches!(self, Self::Component(_) | Self::Function(_) | Self::Kinked(_))
+        self.kind() < Kind::Jumping
     }
 
     /// Whether the quantity is a function of the state alone.
     pub fn is_of_state(&self) -> bool {
-        self.is_continuous() || matches!(self, Self::Jumping(_))
+        self.kind() < Kind::AlongPath
     }
 }
 
@@ -85,15 +97,15 @@ impl Observe for Observable {
     }
 
     fn is_smooth(&self) -> Option<bool> {
-        match self.quantity {
-            Quantity::Component(_) | Quantity::Function(_) => Some(true),
-            Quantity::Kinked(_) | Quantity::Jumping(_) => None,
-            Quantity::AlongPath(_) | Quantity::Collected(_) | Quantity::Monitored(_) => Some(false),
+        match self.quantity.kind() {
+            Kind::Smooth => Some(true),
+            Kind::Kinked | Kind::Jumping => None,
+            Kind::AlongPath | Kind::Monitored => Some(false),
         }
     }
 
     fn weak_order(&self) -> f64 {
-        if let Quantity::Monitored(_) = self.quantity { 0.5 } else { 1.0 }
+        if self.quantity.kind() == Kind::Monitored { 0.5 } else { 1.0 }
     }
 }
 
@@ -131,24 +143,35 @@ impl Vocabulary {
         vocabulary
     }
 
-    /// Adds an input, unless its name has a meaning already.
-    pub fn add(&mut self, name: &str, further: Further) {
+    /// Adds an observable as an input, unless its name has a meaning already.
+    pub fn know(&mut self, Observable { name, quantity }: &Observable) {
+        self.add(name, Further::Quantity(quantity.clone()));
+    }
+
+    fn add(&mut self, name: &str, further: Further) {
         if self.names.variable(name).is_ok() {
             self.further.push(further);
         }
     }
 
-    /// Makes paths collect `what`, whose rows have the values `at_start` at time zero; returns the
-    /// numbers of the rows.
-    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [usize; N] {
+    /// Makes paths collect `what`, whose rows have the values `at_start` at time zero.
+    fn collect<const N: usize>(
+        &mut self,
+        kind: Kind,
+        what: Along,
+        at_start: [f64; N],
+    ) -> [Quantity; N] {
         let first = self.start.len();
         self.start.extend(at_start);
         self.collected.push(what);
-        std::array::from_fn(|k| first + k)
+        from_fn(|k| {
+            let number = move |y: &[Row], values: &mut Row| *values = y[first + k];
+            Quantity::Function(kind, Arc::new(number))
+        })
     }
 
     /// The quantity of a further input; the first is the time.
-    pub fn known(&mut self, k: usize) -> Read<Quantity> {
+    fn known(&mut self, k: usize) -> Read<Quantity> {
         let quantity = self.of(self.further[k].clone())?;
         self.further[k] = Further::Quantity(quantity.clone());
         Ok(quantity)
@@ -158,16 +181,18 @@ impl Vocabulary {
     pub fn of(&mut self, further: Further) -> Read<Quantity> {
         match further {
             Further::Quantity(quantity) => Ok(quantity),
-            Further::Time => Ok(Quantity::Collected(self.collect(Along::Time, [0.0])[0])),
+            Further::Time => {
+                let [time] = self.collect(Kind::AlongPath, Along::Time, [0.0]);
+                Ok(time)
+            }
             Further::Energy(text) => self.quantity(&text),
         }
     }
 
     /// The value of a quantity at time zero.
-    pub fn at_start(&self, quantity: &Quantity) -> f64 {
-        let rows: Vec<Row> = self.start.iter().map(|&y| [y; WIDTH]).collect();
+    fn at_start(&self, quantity: &Quantity) -> f64 {
         let mut values = [0.0; WIDTH];
-        quantity.evaluate(&rows, &mut values);
+        quantity.evaluate(&Rows::splat(&self.start), &mut values);
         values[0]
     }
 
@@ -190,28 +215,24 @@ impl Vocabulary {
         for (k, quantity) in &used {
             point[dimension + k] = self.at_start(quantity);
         }
-        if let Some(error) = formula.explain(&point) {
-            let message = format!("{} at the initial value", error.message);
-            return Err(Wrong::in_formula(text, &error, message));
-        }
+        text.demand_value(&formula, &point, "the initial value")?;
         let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
         let further = all - dimension;
-        let is_of_state = used.iter().all(|(_, quantity)| quantity.is_of_state());
-        let reads = |is: fn(&Quantity) -> bool| used.iter().any(|(_, quantity)| is(quantity));
-        let jumps = reads(|of| matches!(of, Quantity::Jumping(_))) || formula.has_conditions();
-        let kinks = reads(|of| matches!(of, Quantity::Kinked(_))) || formula.has_kinks();
+        let own = if formula.has_conditions() {
+            Kind::Jumping
+        } else if formula.has_kinks() {
+            Kind::Kinked
+        } else {
+            Kind::Smooth
+        };
+        let kind = used.iter().map(|(_, quantity)| quantity.kind()).fold(own, Kind::max);
         let function = Arc::new(move |y: &[Row], values: &mut Row| {
             let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
             let (others, scratch) = others.split_at_mut(further);
             used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
             tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
         });
-        Ok(match is_of_state {
-            true if jumps => Quantity::Jumping(function),
-            true if kinks => Quantity::Kinked(function),
-            true => Quantity::Function(function),
-            false => Quantity::AlongPath(function),
-        })
+        Ok(Quantity::Function(kind.min(Kind::AlongPath), function))
     }
 
     /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
@@ -235,14 +256,13 @@ impl Vocabulary {
         let is_average = average.is_some();
         let Some(inner) = integral.or(average) else { return self.quantity(text) };
         let v = self.quantity(&inner)?;
-        let function = Arc::new(Observable::new("", v.clone()));
-        let [row] = self.collect(Along::Integral(function), [0.0]);
-        let integral = Quantity::Collected(row);
+        let along = Along::Integral(Arc::new(Observable::new("", v.clone())));
+        let [integral] = self.collect(Kind::AlongPath, along, [0.0]);
         if !is_average {
             return Ok(integral);
         }
         let time = self.known(0)?;
-        Ok(Quantity::AlongPath(Arc::new(move |y: &[Row], values: &mut Row| {
+        let average = move |y: &[Row], values: &mut Row| {
             let mut t = [0.0; WIDTH];
             time.evaluate(y, &mut t);
             if t[0] == 0.0 {
@@ -250,7 +270,8 @@ impl Vocabulary {
             }
             integral.evaluate(y, values);
             values.iter_mut().zip(t).for_each(|(value, t)| *value /= t);
-        })))
+        };
+        Ok(Quantity::Function(Kind::AlongPath, Arc::new(average)))
     }
 
     /// Whether an event has happened, and when. A condition in `names`, components and parameters,
@@ -260,22 +281,20 @@ impl Vocabulary {
         self.demand_condition(&text)?;
         let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
         let excess = formula.and_then(|formula| formula.excess());
-        let (phi, gradient) = match excess {
+        let (kind, phi, gradient) = match excess {
             Some(excess) => {
                 let inputs = excess.variables.len();
                 let tape = excess.gradient(&(0..inputs).collect::<Vec<_>>());
                 let gradient =
                     move |y: &[Row], slope: &mut [Row]| slope.copy_from_slice(&tape.rows(&[y]));
-                let phi = move |y: &[Row], values: &mut Row| *values = excess.values(&y[..inputs]);
-                let phi = Quantity::Function(Arc::new(phi));
-                (phi, Some(Arc::new(gradient) as Arc<Gradient>))
+                let phi = Quantity::smooth(move |y, phi| *phi = excess.values(&y[..inputs]));
+                (Kind::AlongPath, phi, Some(Arc::new(gradient) as Arc<Gradient>))
             }
-            None => (self.quantity(&text)?, None),
+            None => (Kind::Monitored, self.quantity(&text)?, None),
         };
         let begun = f64::from(u8::from(self.at_start(&phi) > 0.0));
-        let seen = if gradient.is_some() { Quantity::Collected } else { Quantity::Monitored };
         let phi = Arc::new(Observable::new("", phi));
         let passage = Passage { phi, gradient, stops: event.0.stop };
-        Ok(self.collect(Along::Passage(passage), [begun, 0.0]).map(seen))
+        Ok(self.collect(kind, Along::Passage(passage), [begun, 0.0]))
     }
 }

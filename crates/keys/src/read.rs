@@ -1,32 +1,19 @@
 //! From a text to the keys of a scene, and the constants in it.
 
-use std::{fmt::Display, ops::Range};
+use std::{fmt::Display, ops::Range, slice::from_ref};
 
 use casimir::formula::{Names, nearest};
 
-use super::{
-    file::{SceneFile, SystemTable},
-    run::Settings,
-    source::{Read, Wrong},
-    values::{At, Parameter, Text},
-};
-use crate::refuse;
+use crate::{At, Name, Parameter, Read, SceneFile, Settings, SystemTable, Text, Wrong, refuse};
 
 /// A scene that is being read.
-pub struct Reading<'a> {
+pub struct Reading {
     /// Keys of the scene.
-    pub file: &'a SceneFile,
+    pub file: SceneFile,
     /// Parameters of the scene.
-    pub constants: &'a Constants,
+    pub constants: Constants,
     /// Settings of the simulation.
-    pub settings: &'a Settings,
-}
-
-impl Reading<'_> {
-    /// An error about the initial value.
-    pub fn initial_error(&self, message: impl Display) -> Wrong {
-        Wrong::new(self.settings.initial_place.clone(), message)
-    }
+    pub settings: Settings,
 }
 
 /// Words that list the known names, or the one nearest to `name`.
@@ -50,11 +37,10 @@ pub fn parse(text: &str) -> Read<SceneFile> {
         // "unknown key `x`, expected one of `a`, `b`".
         let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
         let hint = match words[..] {
-            ["temperature", ..] if message.starts_with("unknown key") => {
-                "; a bath has a table of its own: [bath]".into()
-            }
-            [key, ref known @ ..] if message.starts_with("unknown key") => nearest(key, known),
-            _ => String::new(),
+            _ if !message.starts_with("unknown key") => String::new(),
+            ["temperature", ..] => "; a bath has a table of its own: [bath]".into(),
+            [key, ref known @ ..] => nearest(key, known),
+            [] => String::new(),
         };
         Wrong::new(place, message + &hint)
     })
@@ -70,7 +56,7 @@ pub fn is_column(name: &str) -> bool {
 }
 
 /// The error for a name that a column of the tables has already.
-pub fn taken(name: &At<String>) -> Wrong {
+pub fn taken(name: &Name) -> Wrong {
     let message = "is a column of the tables already: choose another name";
     Wrong::new(name, format_args!("`{}` {message}", **name))
 }
@@ -88,11 +74,10 @@ impl Constants {
     pub fn new(system: &SystemTable) -> Read<Self> {
         let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
         for (key, value) in &system.parameters {
-            let Parameter::One(text) = &**value else { continue };
-            if system.name.is_some() && **key == "lattice" {
-                continue; // a word
-            }
-            let value = constant(&At::new(value.span(), text.clone()), &none)?;
+            // The name of a lattice is a word.
+            let is_word = system.name.is_some() && **key == "lattice";
+            let (Parameter::One(_), false) = (&**value, is_word) else { continue };
+            let value = constant(&value.texts()[0], &none)?;
             if **key == "t" {
                 refuse!(key, "`t` is the time in the rate of damping");
             }
@@ -108,6 +93,18 @@ impl Constants {
     }
 }
 
+impl At<Parameter> {
+    /// The numbers or formulas, all at the place of the parameter.
+    pub fn texts(&self) -> Vec<At<Text>> {
+        let texts = match &**self {
+            Parameter::One(text) => from_ref(text),
+            Parameter::Many(texts) => texts,
+            Parameter::Switch(_) => &[],
+        };
+        texts.iter().map(|text| At::new(self.span(), text.clone())).collect()
+    }
+}
+
 fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
     let value = text.formula(names)?.value(&[]);
     if !value.is_finite() {
@@ -117,77 +114,76 @@ fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
 }
 
 /// The parameters of a system of the project.
-impl<'a> Reading<'a> {
-    /// Checks that all given parameters have known names, or are for baths.
-    pub fn know(&self, known: &[&str]) -> Read<()> {
+impl Reading {
+    /// Checks that all given parameters have names of the text `known`, or are for baths.
+    pub fn know(&self, known: &str) -> Read<()> {
+        let words = known.split(|c: char| !c.is_alphanumeric());
+        let known: Vec<&str> = words.filter(|word| word.starts_with(char::is_alphabetic)).collect();
         let baths = self.file.bath.iter();
         let texts = baths.flat_map(|bath| bath.transverse.values().chain([&bath.temperature]));
-        let texts: Vec<&str> = texts.map(|text| &*text.0).collect();
-        let is_known = |key: &str| known.contains(&key) || texts.iter().any(|of| of.contains(key));
-        let mut keys = self.file.system.parameters.keys();
-        if let Some(key) = keys.find(|key| !is_known(key)) {
-            refuse!(key, "unknown parameter `{}`{}", **key, among(key, known));
+        for key in self.file.system.parameters.keys() {
+            if !known.contains(&&***key) && !texts.clone().any(|text| text.0.contains(&**key)) {
+                refuse!(key, "unknown parameter `{}`{}", **key, among(key, &known));
+            }
         }
         Ok(())
     }
 
     /// A parameter, if it is given.
-    pub fn get(&self, name: &str) -> Option<&'a At<Parameter>> {
+    pub fn get(&self, name: &str) -> Option<&At<Parameter>> {
         let mut given = self.file.system.parameters.iter();
         given.find(|(key, _)| key.as_str() == name).map(|(_, value)| value)
     }
 
     /// A number, or the default.
     pub fn number(&self, name: &str, default: f64) -> Read<f64> {
-        match self.get(name).map(|value| &**value) {
-            None => Ok(default),
-            Some(Parameter::One(text)) => self.constant(name, text),
-            Some(_) => refuse!(self.place(name), "`{name}` is a number, such as {default}"),
+        match self.get(name) {
+            Some(at) if !matches!(**at, Parameter::One(_)) => {
+                refuse!(at, "`{name}` is a number, such as {default}")
+            }
+            _ => Ok(self.list(name, &[default])?[0]),
         }
     }
 
     /// A list of numbers, or the default. One number is a list of one.
     pub fn list(&self, name: &str, default: &[f64]) -> Read<Vec<f64>> {
-        let texts = match self.get(name).map(|value| &**value) {
-            None => return Ok(default.to_vec()),
-            Some(Parameter::One(text)) => std::slice::from_ref(text),
-            Some(Parameter::Many(texts)) => texts,
-            Some(Parameter::Switch(_)) => {
-                refuse!(self.place(name), "`{name}` is a list of numbers, such as {default:?}")
+        match self.get(name).map(|at| (at, &**at)) {
+            None => Ok(default.to_vec()),
+            Some((at, Parameter::Switch(_))) => {
+                refuse!(at, "`{name}` is a list of numbers, such as {default:?}")
             }
-        };
-        texts.iter().map(|text| self.constant(name, text)).collect()
+            Some((at, _)) => at.texts().iter().map(|text| constant(text, &Names::new())).collect(),
+        }
     }
 
     /// Three numbers, or the default.
     pub fn three(&self, name: &str, default: [f64; 3]) -> Read<[f64; 3]> {
-        let list = self.list(name, &default)?;
-        let number = list.len();
-        list.try_into()
-            .map_err(|_| self.error(name, format_args!("`{name}` has three numbers, got {number}")))
+        self.list(name, &default)?.try_into().map_err(|list: Vec<f64>| {
+            self.error(name, format_args!("`{name}` has three numbers, got {}", list.len()))
+        })
     }
 
     /// `true` or `false`, or the default.
     pub fn switch(&self, name: &str, default: bool) -> Read<bool> {
-        match self.get(name).map(|value| &**value) {
+        match self.get(name).map(|at| (at, &**at)) {
             None => Ok(default),
-            Some(Parameter::Switch(switch)) => Ok(*switch),
-            Some(_) => refuse!(self.place(name), "`{name}` is true or false"),
+            Some((_, Parameter::Switch(switch))) => Ok(*switch),
+            Some((at, _)) => refuse!(at, "`{name}` is true or false"),
         }
     }
 
+    /// A result for a parameter, with its error there.
+    pub fn checked<T>(&self, name: &str, result: Result<T, impl Display>) -> Read<T> {
+        result.map_err(|error| self.error(name, error))
+    }
+
     /// An error at a parameter.
-    pub fn error(&self, name: &str, message: impl Display) -> Wrong {
+    fn error(&self, name: &str, message: impl Display) -> Wrong {
         Wrong::new(self.place(name), message)
     }
 
     /// The place of a parameter, if it is given.
     pub fn place(&self, name: &str) -> Option<Range<usize>> {
         self.get(name).map(At::span)
-    }
-
-    fn constant(&self, name: &str, text: &Text) -> Read<f64> {
-        let place = self.place(name).unwrap_or_default();
-        constant(&At::new(place, text.clone()), &Names::new())
     }
 }

@@ -8,14 +8,9 @@ use casimir::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{
-    file::RunTable,
-    initial::initial,
-    read::Constants,
-    source::{Read, Source},
-    values::{At, Count, Listed, Values, place},
+use crate::{
+    At, Constants, Count, Listed, Read, SceneFile, Source, Values, initial::initial, place, refuse,
 };
-use crate::refuse;
 
 /// Changes that a command line makes in a scene.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -97,7 +92,7 @@ impl FromStr for Set {
 #[derive(Clone)]
 pub struct Settings {
     /// Initial value as it is written; a possible one if initial values are random.
-    pub initial: Vec<f64>,
+    pub initial: At<Vec<f64>>,
     /// Random initial values.
     pub random: Option<Initial<'static>>,
     /// Name of the file of states, if there is one.
@@ -114,17 +109,15 @@ pub struct Settings {
     pub tables: u64,
     /// Number of saved times.
     pub times: u64,
-    /// Number of snapshots of a large lattice after the start, and their place if it is given.
-    pub snapshots: (u64, Option<Range<usize>>),
+    /// Number of snapshots of a large lattice after the start.
+    pub snapshots: u64,
     /// Whether a few paths of a large lattice are computed one by one, as `run` does.
     pub one_by_one: bool,
     /// Key of the random streams.
     pub key: StreamKey,
     /// Truncation of the increments.
     pub truncation: Truncation,
-    /// Place of the initial value, in bytes of the text.
-    pub initial_place: Range<usize>,
-    /// Place of the steps.
+    /// Place of the steps, in bytes of the text.
     pub steps_place: Range<usize>,
     /// Place of the scheme, unless the command line chooses it.
     pub scheme_place: Option<Range<usize>>,
@@ -143,18 +136,19 @@ const MAX_TRIED: u64 = 1_000_000;
 const TIMES: u64 = 200;
 
 impl Settings {
-    /// The settings of a scene, with the changes of a command line. Initial values of sites of a
-    /// lattice may depend on their places.
+    /// The settings of a scene, with the changes of a command line.
     pub fn new(
         source: &Source,
-        run: &RunTable,
+        SceneFile { run, system, .. }: &SceneFile,
         constants: &Constants,
         changes: &Changes,
-        has_places: bool,
+        one_by_one: bool,
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         let own = run.seed.as_ref().map_or(1, |seed| seed.0);
         let key = StreamKey { seed: seed.unwrap_or(own), experiment: 0 };
+        // Initial values of sites of a lattice may depend on their places.
+        let has_places = system.name.as_ref().is_some_and(|name| **name == "spin-lattice");
         let (initial, random) = initial(source, &run.initial, constants, key, has_places)?;
         let until = constants.value(&run.until)?;
         if until <= 0.0 {
@@ -190,7 +184,7 @@ impl Settings {
         // Nobody asked for clipped increments that show in the results.
         let truncation = if run.truncation.is_none() { truncation.wide() } else { truncation };
         Ok(Self {
-            initial,
+            initial: At::new(run.initial.span(), initial),
             random,
             states: match &*run.initial {
                 Listed::Text(file) => Some(file.clone()),
@@ -201,11 +195,10 @@ impl Settings {
             paths,
             tables,
             times,
-            one_by_one: false,
-            snapshots: (snapshots, place(&run.snapshots)),
+            one_by_one,
+            snapshots,
             key,
             truncation,
-            initial_place: run.initial.span(),
             steps_place: run.steps.span(),
             scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(At::span),
             scheme: changed.or(run.scheme.as_deref().cloned()).unwrap_or(AUTO.into()),

@@ -4,17 +4,12 @@ use std::collections::{BTreeMap, HashMap};
 
 use casimir::formula::{self, Formula, Names, nearest};
 
-use super::{
-    read::{is_column, taken},
-    source::Read,
-    values::{At, Entries, Listed, Structure},
-};
-use crate::refuse;
+use crate::{At, Listed, Name, Read, Structure, is_column, refuse, taken, words};
 
 /// The components of a state, and vectors of them.
 pub struct State {
     /// The names of the components, each where it is written.
-    pub components: Vec<At<String>>,
+    pub components: Vec<Name>,
     /// The names of vectors and of their components.
     pub vectors: Vec<(String, Vec<String>)>,
 }
@@ -29,7 +24,7 @@ impl State {
     /// The state that `state` means: a name is a component, `q[1..3]` the vector q of q1, q2 and
     /// q3, `s[xyz]` the vector s of sx, sy and sz, `s[1..2][xyz]` the vectors s1 and s2 of such
     /// components.
-    pub fn new(entries: &[At<String>]) -> Read<Self> {
+    pub fn new(entries: &[Name]) -> Read<Self> {
         let mut state = Self { components: Vec::new(), vectors: Vec::new() };
         for entry in entries {
             let Some(vectors) = vectors(entry) else {
@@ -83,11 +78,9 @@ fn vectors(entry: &str) -> Option<Vec<(String, Vec<String>)>> {
 
 /// Parts in a bracket: letters, or numbers from and to.
 fn parts(bracket: &str) -> Option<Vec<String>> {
-    let is_letters = bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic);
-    if is_letters {
-        Some(bracket.chars().map(String::from).collect())
-    } else {
-        Some(range(bracket)?.map(|k| k.to_string()).collect())
+    match bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic) {
+        true => Some(bracket.chars().map(String::from).collect()),
+        false => Some(range(bracket)?.map(|k| k.to_string()).collect()),
     }
 }
 
@@ -100,13 +93,10 @@ fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
 
 /// The entries of B as texts.
 pub fn structure(state: (&State, &Names), at: &At<Structure>) -> Read<formula::Structure> {
-    match &**at {
-        Listed::List(rows) => {
-            let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
-            Ok(formula::Structure::Rows(rows.iter().map(row).collect()))
-        }
-        Listed::Text(text) => blocks(state, text, at).map(formula::Structure::Entries),
-    }
+    Ok(match &**at {
+        Listed::List(rows) => formula::Structure::Rows(rows.iter().map(words).collect()),
+        Listed::Text(text) => formula::Structure::Entries(blocks(state, text, at)?),
+    })
 }
 
 /// A sum of multiples of blocks, as the entries above the diagonal: in each stand the entries of
@@ -117,10 +107,10 @@ fn blocks(
     at: &At<Structure>,
 ) -> Read<BTreeMap<(usize, usize), String>> {
     let (mut gaps, mut found, mut rest) = (Vec::new(), Vec::new(), text);
-    while let Some((start, end)) = next_block(rest) {
-        gaps.push(&rest[..start]);
-        found.push(block_of(state, &rest[start..end], at)?);
-        rest = &rest[end..];
+    while let Some([gap, block, after]) = next_block(rest) {
+        gaps.push(gap);
+        found.push(block_of(state, block, at)?);
+        rest = after;
     }
     if found.is_empty() {
         block_of(state, text.trim(), at)?;
@@ -145,13 +135,10 @@ fn blocks(
     let mut names = names.clone();
     // A name that stands twice is told elsewhere.
     let known = state.components.iter().filter(|name| names.variable(name).is_ok()).count();
-    let zero = Formula::parse(&filled(&none), &names);
-    let is_other = match zero {
-        Ok(zero) => zero.value(&vec![1.0; known]) != 0.0,
-        Err(error) => error.unknown_name.is_none(),
-    };
-    if is_other {
-        refuse!(at, "each term of B is a multiple of a block");
+    match Formula::parse(&filled(&none), &names) {
+        Ok(zero) if zero.value(&vec![1.0; known]) == 0.0 => {}
+        Err(error) if error.unknown_name.is_some() => {}
+        _ => refuse!(at, "each term of B is a multiple of a block"),
     }
     Ok(sums.into_iter().map(|(place, of)| (place, filled(&of))).collect())
 }
@@ -159,22 +146,21 @@ fn blocks(
 /// The kinds of blocks.
 const BLOCKS: [&str; 3] = ["canonical", "spins", "rigid"];
 
-/// The place where the first block of a text begins and ends.
-fn next_block(text: &str) -> Option<(usize, usize)> {
+/// The first block of a text, between what is before and after it.
+fn next_block(text: &str) -> Option<[&str; 3]> {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let words = BLOCKS.iter().flat_map(|kind| text.match_indices(kind));
     let whole = words.filter(|(at, kind)| {
         !text[..*at].ends_with(is_letter) && !text[at + kind.len()..].starts_with(is_letter)
     });
     let (start, kind) = whole.min()?;
-    let end = start + kind.len();
-    let after = &text[end..];
-    let arguments = if after.trim_start().starts_with('(') {
-        after.find(')').map_or(after.len(), |at| at + 1)
-    } else {
-        0
+    let (gap, block) = text.split_at(start);
+    let end = match block[kind.len()..].trim_start().starts_with('(') {
+        true => block.find(')').map_or(block.len(), |at| at + 1),
+        false => kind.len(),
     };
-    Some((start, end + arguments))
+    let (block, after) = block.split_at(end);
+    Some([gap, block, after])
 }
 
 /// Entries of B by their rows and columns.
@@ -184,7 +170,7 @@ type Block = Vec<(usize, usize, String)>;
 fn block_of(state: &State, text: &str, at: &At<Structure>) -> Read<Block> {
     let (kind, given) = match text.split_once('(') {
         Some((kind, inner)) => match inner.strip_suffix(')') {
-            Some(inner) => (kind.trim(), arguments(inner)),
+            Some(inner) => (kind.trim(), inner.split(',').map(str::trim).collect()),
             None => refuse!(at, "`{text}` ends without `)`"),
         },
         None => (text, Vec::new()),
@@ -208,17 +194,16 @@ fn block_of(state: &State, text: &str, at: &At<Structure>) -> Read<Block> {
     }
     let all: Vec<usize> = (0..state.components.len()).collect();
     if kind == "canonical" {
-        let half = all.len() / 2;
-        let [q, p] = match &vectors[..] {
-            [] => [all[..half].to_vec(), all[half..].to_vec()],
-            [q, p] => [q.clone(), p.clone()],
+        let (q, p) = match &vectors[..] {
+            [] => all.split_at(all.len() / 2),
+            [q, p] => (&q[..], &p[..]),
             _ => refuse!(at, "write canonical(q, p): positions and their momenta"),
         };
         if q.len() != p.len() {
             let (q, p) = (q.len(), p.len());
             refuse!(at, "canonical takes as many momenta as positions, got {q} and {p}");
         }
-        return Ok(q.into_iter().zip(p).map(|(q, p)| (q, p, "1".into())).collect());
+        return Ok(q.iter().zip(p).map(|(q, p)| (*q, *p, "1".into())).collect());
     }
     if vectors.is_empty() {
         vectors = all.chunks(3).map(<[usize]>::to_vec).collect();
@@ -234,14 +219,4 @@ fn block_of(state: &State, text: &str, at: &At<Structure>) -> Read<Block> {
         }
     }
     Ok(block)
-}
-
-/// Splits the text at commas outside of parentheses.
-fn arguments(text: &str) -> Vec<&str> {
-    let mut depth = 0;
-    let outside = |c: char| {
-        depth += i32::from(c == '(') - i32::from(c == ')');
-        c == ',' && depth == 0
-    };
-    text.split(outside).map(str::trim).collect()
 }

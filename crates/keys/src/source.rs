@@ -7,7 +7,7 @@ use casimir::{
     schemes::Device,
 };
 
-use super::values::{At, Text};
+use crate::{At, Text};
 
 /// A file with a scene.
 #[derive(Clone, Debug)]
@@ -51,21 +51,22 @@ impl Wrong {
     }
 
     /// An error in a part of a formula.
-    pub fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
+    fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
         let part = Some((formula.0.clone(), error.span.clone()));
         Self { part, ..Self::new(formula, message) }
     }
 
     /// An error in a formula, with the message of its parser.
     pub fn formula(formula: &At<Text>, error: &FormulaError) -> Self {
-        let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
-        let message = match error.unknown_name.as_deref() {
-            _ if is_mean("integral") || is_mean("average") => {
+        let message = match &*error.message {
+            "unknown function `integral`" | "unknown function `average`" => {
                 "this is an observable of its own: give it a name, a = \"integral(v)\", and \
                  use that"
             }
-            Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
-            _ => &error.message,
+            _ if error.unknown_name.as_deref() == Some("t") => {
+                "unknown name `t`: time is known in H0, H, the rate and observables"
+            }
+            message => message,
         };
         Self::in_formula(formula, error, message)
     }
@@ -119,6 +120,14 @@ impl At<Text> {
     /// Parses the formula with `names`.
     pub fn formula(&self, names: &Names) -> Read<Formula> {
         Formula::parse(&self.0, names).map_err(|error| Wrong::formula(self, &error))
+    }
+
+    /// Checks that the formula has a value at a point, which is `named`.
+    pub fn demand_value(&self, formula: &Formula, point: &[f64], named: impl Display) -> Read<()> {
+        formula.explain(point).map_or(Ok(()), |error| {
+            let message = format!("{} at {named}", error.message);
+            Err(Wrong::in_formula(self, &error, message))
+        })
     }
 }
 

@@ -8,6 +8,7 @@ use std::{
     str::FromStr,
 };
 
+use indexmap::IndexMap;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize,
@@ -112,12 +113,28 @@ pub enum Listed<T> {
     Text(String),
 }
 
+/// A name.
+pub type Name = At<String>;
+
+/// The names without their places.
+pub fn strings(names: &[Name]) -> Vec<String> {
+    names.iter().map(|name| name.to_string()).collect()
+}
+
+/// Values by name.
+pub type Named<T> = IndexMap<Name, At<T>>;
+
 /// A row of a matrix, or another list of formulas.
-pub type Entries = At<Vec<At<Text>>>;
+pub type Formulas = At<Vec<At<Text>>>;
+
+/// The texts of formulas.
+pub fn words(formulas: &Formulas) -> Vec<String> {
+    formulas.iter().map(|text| text.0.clone()).collect()
+}
 
 /// The matrix B: all rows or the entries above the diagonal; or blocks such as
 /// `"spins(s1, s2) + canonical(q, p)"`.
-pub type Structure = Listed<Entries>;
+pub type Structure = Listed<Formulas>;
 
 /// The initial value: a number or a formula for each component, or a file of states.
 pub type Start = Listed<At<Text>>;
@@ -214,9 +231,9 @@ impl Values {
         match ends[..] {
             [_] => Ok(Self(text.split(',').map(|value| value.trim().into()).collect())),
             [from, to, number] => {
-                let number_of = |end: &str| {
-                    let number = end.parse().ok().filter(|end: &f64| end.is_finite());
-                    number.ok_or_else(|| format!("`{end}` in {text} is not a number"))
+                let number_of = |end: &str| match end.parse() {
+                    Ok(number) if f64::is_finite(number) => Ok(number),
+                    _ => Err(format!("`{end}` in {text} is not a number")),
                 };
                 let (from, to, number) = (number_of(from)?, number_of(to)?, count(number)?);
                 let last = (number - 1).max(1) as f64;
@@ -339,7 +356,8 @@ pub fn digits(value: f64) -> String {
     if !(1e-3..1e5).contains(&size) {
         return format!("{value:.3e}");
     }
-    let decimals = (3.0 - casimir::real::elementary::log10(size).floor()).clamp(0.0, 8.0) as usize;
+    // None of large numbers: the conversion ends at zero.
+    let decimals = (3.0 - casimir::real::elementary::log10(size).floor()) as usize;
     let text = format!("{value:.decimals$}");
     // 0.2 and not 0.2000.
     match decimals {

@@ -52,7 +52,7 @@ pub fn compute(
     let settings = &scene.settings;
     let built_in = BuiltIn::named(&scheme).expect("it was checked").at_run_time(&*large.lattice)?;
     let every = settings.steps / settings.times;
-    let spectra_every = every * (settings.times / settings.snapshots.0);
+    let spectra_every = every * (settings.times / settings.snapshots);
     let (mut tables, mut records) = (Vec::new(), Vec::new());
     for path in 0..settings.paths {
         let problem = large.path(path)?;

@@ -19,11 +19,9 @@ impl FigureSettings {
     pub(super) fn new(table: &FiguresTable, scene: &Scene, others: &[&str]) -> Read<Self> {
         let check = |name: &_| scene.column(name, &[]);
         let pair = |[x, y]: &Pair| Ok([check(x)?, check(y)?]);
-        let portraits = table.portraits.as_ref().map(|pairs| pairs.iter().map(pair).collect());
-        let show = table.show.as_ref().map(|names| names.iter().map(check).collect());
         Ok(Self {
-            portraits: portraits.transpose()?,
-            show: show.transpose()?,
+            portraits: chosen(&table.portraits, pair)?,
+            show: chosen(&table.show, check)?,
             log: table.log.iter().map(|name| scene.column(name, others)).collect::<Read<_>>()?,
         })
     }
@@ -34,12 +32,16 @@ impl FigureSettings {
     }
 }
 
+/// Checks all of what is chosen, if something is.
+pub fn chosen<T, U>(
+    all: &Option<Vec<T>>,
+    check: impl FnMut(&T) -> Read<U>,
+) -> Read<Option<Vec<U>>> {
+    all.as_ref().map(|all| all.iter().map(check).collect()).transpose()
+}
+
 /// Reads and checks the wanted statistics of dependence.
-pub(super) fn wanted(
-    table: &StatisticsTable,
-    scene: &Scene,
-    constants: &Constants,
-) -> Read<Wanted> {
+pub fn wanted(table: &StatisticsTable, scene: &Scene, constants: &Constants) -> Read<Wanted> {
     let number = |name: &_| scene.observable(name);
     let pair = |[a, b]: &Pair| Ok((number(a)?, number(b)?));
     let mut wanted = Wanted {

@@ -38,7 +38,7 @@ mod sweep;
 
 pub use figures::FigureSettings;
 pub use keys::*;
-pub use sweep::{Apart, Changed, Combination, Nearby, Sweep, Varied};
+pub use sweep::{Changed, Combination, Nearby, Sweep, Varied};
 
 use std::{fmt::Display, path::Path, sync::Arc};
 
@@ -100,12 +100,9 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with line and column of what is wrong.
     pub fn new(source: Source, changes: &Changes) -> Result<Self, SceneError> {
-        let read = || {
-            let mut file = parse(&source.text)?;
-            sweep::settle(&mut file, &changes.scheme.sets)?;
-            Self::of(&source, file, &Arc::new(changes.clone()), false)
-        };
-        source.located(read())
+        let file = sweep::settled(&source, changes);
+        let read = |file| Self::of(&source, file, &Arc::new(changes.clone()), false);
+        source.located(file.and_then(read))
     }
 
     /// Makes a scene from the keys of a text.
@@ -116,62 +113,51 @@ impl Scene {
         one_by_one: bool,
     ) -> Read<Self> {
         let constants = Constants::new(&file.system)?;
-        let mut settings = {
-            let has_places = file.system.name.as_ref().is_some_and(|name| **name == "spin-lattice");
-            Settings::new(source, &file.run, &constants, changes, has_places)?
-        };
-        settings.one_by_one = one_by_one;
-        let model::Built { model, components, sizes, names, energy, quantities } =
-            model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
-        if let (true, None, (_, Some(place))) = (one_by_one, model.large(), &settings.snapshots) {
+        let settings = Settings::new(source, &file, &constants, changes, one_by_one)?;
+        let reading = Reading { file, constants, settings };
+        let model::Built { model, sizes, names, energy, quantities: mut given } =
+            model::build(&reading)?;
+        let Reading { file, constants, settings } = reading;
+        if let (true, None, Some(at)) = (one_by_one, model.large(), &file.run.snapshots) {
             let words = "snapshots are of up to 99 paths of a `spin-lattice` of at least";
-            refuse!(place.clone(), "{words} {} spins", model::MANY_SITES);
+            refuse!(at, "{words} {} spins", model::MANY_SITES);
         }
-        let y0 = model.problem().y0;
+        let (components, y0) = (names.variables().to_vec(), model.problem().y0);
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
         let energy = energy.filter(|_| !description.depends_on_time);
         let energy = energy.and_then(|energy| vocabulary.of(energy).ok());
-        let energy = energy.map(|energy| Observable::new("H0", energy));
-        let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
-        let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
-        for Observable { name, quantity } in &given {
-            vocabulary.add(name, Further::Quantity(quantity.clone()));
-        }
+        given.iter().for_each(|of| vocabulary.know(of));
         if components.len() <= MAX_COMPONENTS {
-            given.extend((0..components.len()).map(component));
+            let own = components.iter().enumerate();
+            given.extend(own.map(|(i, name)| Observable::new(name, Quantity::Component(i))));
         }
-        let formulas = file.observe.iter().map(|(name, text)| (name, Ok(text)));
-        let events = file.events.iter().map(|(name, event)| (name, Err(event)));
-        let conditions = file.probabilities.iter().map(|(name, text)| (name, Ok(text)));
-        for (name, entry) in formulas.chain(events).chain(conditions) {
+        let mut observables = Vec::<Observable>::new();
+        let names = file.observe.keys().chain(file.events.keys()).chain(file.probabilities.keys());
+        for name in names {
             let known = components.contains(name)
                 || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(name));
             }
-            let quantities = match entry {
-                Err(event) => {
-                    let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
-                    vec![(name.to_string(), happened), (format!("{} time", **name), time)]
-                }
-                Ok(formula) => {
-                    if file.probabilities.contains_key(name) {
-                        vocabulary.demand_condition(formula)?;
-                    }
-                    vec![(name.to_string(), vocabulary.observable(formula)?)]
-                }
+            let new = if let Some(event) = file.events.get(name) {
+                let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
+                let time = Observable::new(format!("{} time", **name), time);
+                vec![Observable::new(&**name, happened), time]
+            } else {
+                let condition = file.probabilities.get(name);
+                condition.map_or(Ok(()), |text| vocabulary.demand_condition(text))?;
+                let text = condition.unwrap_or_else(|| &file.observe[name]);
+                vec![Observable::new(&**name, vocabulary.observable(text)?)]
             };
-            for (name, quantity) in quantities {
-                vocabulary.add(&name, Further::Quantity(quantity.clone()));
-                observables.push(Observable { name, quantity });
-            }
+            new.iter().for_each(|of| vocabulary.know(of));
+            observables.extend(new);
         }
         observables.extend(given);
-        let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
+        let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy().into());
         let name = file.system.name.as_deref().cloned();
-        let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
+        let title = file.title.or(name).or(stem).unwrap_or_default();
         let mut scene = Self {
             source: source.clone(),
             changes: Arc::clone(changes),
@@ -185,41 +171,29 @@ impl Scene {
             collected: Vec::new(),
             wanted: Wanted::default(),
             drawn: FigureSettings::default(),
-            energy,
+            energy: energy.map(|energy| Observable::new("H0", energy)),
             expected: Vec::new(),
-            accuracy: None,
-            gradient: changes.gradient.clone(),
+            accuracy: changes.accuracy.or(file.expect.as_ref().map(|table| *table.accuracy)),
+            gradient: match (&changes.gradient[..], &file.expect) {
+                ([], Some(table)) => strings(&table.gradient),
+                (given, _) => given.to_vec(),
+            },
             parameters: constants.numbers.clone(),
-            fitted: file
-                .fit
-                .iter()
-                .flat_map(|fit| &fit.parameters)
-                .map(|of| of.to_string())
-                .collect(),
+            fitted: file.fit.map_or(Vec::new(), |fit| strings(&fit.parameters)),
         };
-        let named = |text: &String| At::new(0..0, Text(text.clone()));
-        let named: Vec<At<Text>> = changes.of.iter().map(named).collect();
-        match &file.expect {
-            _ if !named.is_empty() => {
-                scene.accuracy = file.expect.as_ref().map(|table| *table.accuracy);
-                let of = scene.expect(&named, &mut vocabulary);
-                of.map_err(|Wrong { message, .. }| Wrong::new(None, format!("--of: {message}")))?;
+        if !changes.of.is_empty() {
+            let named = changes.of.iter().map(|text| At::new(0..0, Text(text.clone())));
+            let of = scene.expect(&named.collect::<Vec<_>>(), &mut vocabulary);
+            of.map_err(|Wrong { message, .. }| Wrong::new(None, format!("--of: {message}")))?;
+        } else if let Some(ExpectTable { of, accuracy, .. }) = &file.expect {
+            let half_width = **accuracy;
+            if !(half_width > 0.0 && half_width.is_finite()) {
+                refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
             }
-            Some(ExpectTable { of, accuracy, .. }) => {
-                let half_width = **accuracy;
-                if !(half_width > 0.0 && half_width.is_finite()) {
-                    refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
-                }
-                if of.is_empty() {
-                    refuse!(of, "name at least one function, such as \"y1\"");
-                }
-                scene.accuracy = Some(half_width);
-                scene.expect(of, &mut vocabulary)?;
+            if of.is_empty() {
+                refuse!(of, "name at least one function, such as \"y1\"");
             }
-            None => {}
-        }
-        if let (true, Some(table)) = (scene.gradient.is_empty(), &file.expect) {
-            scene.gradient = table.gradient.iter().map(|name| name.to_string()).collect();
+            scene.expect(of, &mut vocabulary)?;
         }
         if scene.observables.is_empty() {
             scene.observables.clone_from(&scene.expected);
@@ -227,21 +201,18 @@ impl Scene {
         if scene.observables.is_empty() {
             refuse!(None, "so many components need observables: add [observe]");
         }
-        let chosen = |name: &At<String>| match is_column(name) {
+        scene.chosen = figures::chosen(&file.run.columns, |name| match is_column(name) {
             true => Ok(name.to_string()),
             false => scene.column(name, &GROUPS),
-        };
-        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
-        scene.chosen = chosen.transpose()?;
+        })?;
         scene.wanted = figures::wanted(&file.statistics, &scene, &constants)?;
         let conditions = file.probabilities.keys().chain(file.events.keys());
         scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
-        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectrum = |name: &Name| format!("spectrum({})", **name);
         let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
         let others = file.system.parameters.keys().map(|key| key.as_str());
         let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
         scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
-        scene.accuracy = changes.accuracy.or(scene.accuracy);
         scene.collected = vocabulary.collected;
         let scheme = &scene.settings.scheme;
         if scheme != AUTO {
@@ -253,7 +224,7 @@ impl Scene {
 
     /// Reads test functions.
     fn expect(&mut self, of: &[At<Text>], vocabulary: &mut Vocabulary) -> Read<()> {
-        for text in of.iter() {
+        for text in of {
             let name = text.0.as_str();
             if self.expected.iter().any(|before| before.name == name) {
                 refuse!(text, "`{name}` is listed twice");
@@ -293,9 +264,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] if there is no such parameter, or a changed scene is none.
     pub fn nearby(&self, changes: &[f64]) -> Result<Nearby, SceneError> {
-        let parameters: Vec<_> =
-            self.gradient.iter().cloned().zip(changes.iter().copied()).collect();
-        Nearby::new(&self.source, &self.changes, &parameters)
+        self.source.located(Nearby::of(self, changes))
     }
 
     /// The scene at other values of parameters, by which its expectations of other functions are
@@ -341,19 +310,18 @@ impl Scene {
     }
 
     /// Checks that a name is a component, an observable, or one of others.
-    fn column(&self, name: &At<String>, others: &[&str]) -> Read<String> {
-        let observables = self.observables.iter().map(|observable| &*observable.name);
-        let known = self.components.iter().map(|name| &**name).chain(observables);
+    fn column(&self, name: &Name, others: &[&str]) -> Read<String> {
+        let observables = self.observables.iter().map(|observable| &observable.name);
+        let known = self.components.iter().chain(observables).map(|name| &**name);
         let known = known.chain(others.iter().copied());
         if !known.clone().any(|known| known == name.as_str()) {
-            let hint = nearest(name, known);
-            refuse!(name, "no column `{}`{hint}", **name);
+            refuse!(name, "no column `{}`{}", **name, nearest(name, known));
         }
         Ok(name.to_string())
     }
 
     /// The number of an observable.
-    fn observable(&self, name: &At<String>) -> Read<usize> {
+    fn observable(&self, name: &Name) -> Read<usize> {
         self.column(name, &[])?;
         self.place(name).ok_or_else(|| {
             let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);

@@ -36,27 +36,29 @@ fn lines(text: &str, law: Option<&str>, changes: &Changes) -> String {
 
 fn flatten(key: String, value: &Value, lines: &mut Vec<String>) {
     let dot = if key.is_empty() || key.ends_with('-') { "" } else { "." };
-    match value {
+    let text = match value {
         Value::Table(table) => {
-            table
-                .iter()
-                .for_each(|(name, value)| flatten(format!("{key}{dot}{name}"), value, lines));
+            let each = |(name, of): (&String, _)| flatten(format!("{key}{dot}{name}"), of, lines);
+            return table.iter().for_each(each);
         }
         Value::Array(list) => {
-            (1..).zip(list).for_each(|(n, value)| flatten(format!("{key}[{n}]"), value, lines));
+            let each = |(n, of): (usize, _)| flatten(format!("{key}[{n}]"), of, lines);
+            return (1..).zip(list).for_each(each);
         }
-        Value::String(text) => lines.push(format!("{key} = {}", canonical(text))),
-        Value::Boolean(switch) => lines.push(format!("{key} = {switch}")),
-        other => lines.push(format!("{key} = {}", canonical(&number(other)))),
-    }
+        Value::String(text) => canonical(text),
+        Value::Boolean(switch) => switch.to_string(),
+        other => canonical(&number(other)),
+    };
+    lines.push(format!("{key} = {text}"));
 }
 
 /// The canonical form of a number, or a formula without blanks except those between words.
 fn canonical(text: &str) -> String {
     // Beyond 2⁵³ a number is not exact.
-    match text.parse::<f64>() {
-        Ok(number) if number.abs() < 9e15 => return number.to_string(),
-        _ => {}
+    if let Ok(number) = text.parse::<f64>()
+        && number.abs() < 9e15
+    {
+        return number.to_string();
     }
     let mut all = String::new();
     for word in text.split_whitespace() {

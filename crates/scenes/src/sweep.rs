@@ -3,11 +3,10 @@
 use std::{collections::HashSet, ops::Range, sync::Arc};
 
 use casimir::formula::{Formula, Names};
+use indexmap::IndexMap;
+use keys::*;
 
-use super::{
-    At, Changes, Constants, Listed, MAX_VALUES, Parameter, Read, Scene, SceneError, SceneFile, Set,
-    Source, Text, among, parse, refuse,
-};
+use super::Scene;
 
 /// A parameter with its chosen values.
 pub struct Varied {
@@ -31,18 +30,16 @@ impl Varied {
     pub fn words(&self, place: usize) -> String {
         format!("{} = {}", self.name, self.texts[place])
     }
+}
 
-    /// Gives the parameter of a scene one of the values.
-    fn put(&self, file: &mut SceneFile, place: usize) {
-        let parameters = &mut file.system.parameters;
-        let found = parameters.iter().find(|(key, _)| key.as_str() == self.name);
+/// Gives a parameter of a scene a value as it is written.
+fn put(file: &mut SceneFile, name: &str, value: String) {
+    let parameters = &mut file.system.parameters;
+    let value = Parameter::One(Text(value));
+    match parameters.iter_mut().find(|(key, _)| key.as_str() == name) {
+        Some((_, at)) => *at = At::new(at.span(), value),
         // A system of the project knows its parameters itself.
-        let (key, at) = found.map_or_else(
-            || (At::new(0..0, self.name.clone()), 0..0),
-            |(key, value)| (key.clone(), value.span()),
-        );
-        let value = Parameter::One(Text(self.texts[place].clone()));
-        parameters.insert(key, At::new(at, value));
+        None => _ = parameters.insert(At::new(0..0, name.into()), At::new(0..0, value)),
     }
 }
 
@@ -50,6 +47,8 @@ impl Varied {
 pub struct Combination {
     /// Label such as `sigma = 0.1, J = 2`; empty if nothing is varied.
     pub label: String,
+    /// Parameters that are varied, with their values.
+    pub values: Vec<(String, f64)>,
     /// The number of the value of each parameter that is varied.
     pub places: Vec<usize>,
     /// The scene with these values.
@@ -61,16 +60,6 @@ impl Combination {
     pub fn prefix(&self) -> String {
         if self.label.is_empty() { String::new() } else { format!("{}: ", self.label) }
     }
-}
-
-/// One combination as a scene of its own.
-pub struct Apart {
-    /// Label such as `sigma = 0.1, J = 2`; empty if nothing is varied.
-    pub label: String,
-    /// Parameters that are varied, with their values.
-    pub values: Vec<(String, f64)>,
-    /// The scene.
-    pub scene: Scene,
 }
 
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
@@ -88,31 +77,15 @@ impl Sweep {
     /// # Errors
     /// [`SceneError`] like that of [`Scene::new`], or about the varied parameters.
     pub fn new(source: &Source, changes: &Changes) -> Result<Self, SceneError> {
-        source.located(Self::of(source, changes))
+        source.located(Self::of(source, changes, false))
     }
 
     /// The combinations as scenes of their own, for verbs of one scene.
     ///
     /// # Errors
     /// Those of [`Sweep::new`].
-    pub fn apart(source: &Source, changes: &Changes) -> Result<Vec<Apart>, SceneError> {
-        let (_, varied, number) = source.located(Self::axes(source, changes))?;
-        let apart = |k: usize| {
-            let (mut changes, mut words, mut values) = (changes.clone(), Vec::new(), Vec::new());
-            let sets = &mut changes.scheme.sets;
-            sets.clear();
-            for (one, place) in varied.iter().zip(places(&varied, k)) {
-                let texts = vec![one.texts[place].clone()];
-                sets.push(Set { name: one.name.clone(), values: texts });
-                if one.is_axis() {
-                    words.push(one.words(place));
-                    values.push((one.name.clone(), one.values[place]));
-                }
-            }
-            let scene = Scene::new(source.clone(), &changes)?;
-            Ok(Apart { label: words.join(", "), values, scene })
-        };
-        (0..number).map(apart).collect()
+    pub fn apart(source: &Source, changes: &Changes) -> Result<Vec<Combination>, SceneError> {
+        Ok(source.located(Self::of(source, changes, true))?.combinations)
     }
 
     /// The scene of the first combination.
@@ -120,86 +93,76 @@ impl Sweep {
         &self.combinations[0].scene
     }
 
-    fn of(source: &Source, changes: &Changes) -> Read<Self> {
-        let (file, mut varied, number) = Self::axes(source, changes)?;
-        // One for all scenes, which may be many.
-        let changes = &Arc::new(changes.clone());
-        let combination = |k: usize| {
-            let (mut words, mut axes, mut file) = (Vec::new(), Vec::new(), file.clone());
-            for (one, place) in varied.iter().zip(places(&varied, k)) {
-                one.put(&mut file, place);
-                if one.is_axis() {
-                    words.push(one.words(place));
-                    axes.push(place);
-                }
-            }
-            let mut scene = Scene::of(source, file, changes, true)?;
-            if changes.independent {
-                scene.settings.key.experiment = k as u64;
-            }
-            Ok(Combination { label: words.join(", "), places: axes, scene })
-        };
-        let combinations = (0..number).map(combination).collect::<Read<_>>()?;
-        varied.retain(Varied::is_axis);
-        Ok(Self { varied, combinations })
-    }
-
-    /// The keys of a scene, the parameters with chosen values, and the number of combinations.
-    fn axes(source: &Source, changes: &Changes) -> Read<(SceneFile, Vec<Varied>, usize)> {
+    /// All combinations; `apart` with changes of their own, which choose their values.
+    fn of(source: &Source, changes: &Changes, apart: bool) -> Read<Self> {
         let file = parse(&source.text)?;
-        let varied = chosen(&file, &changes.scheme.sets)?;
+        let mut varied = chosen(&file, &changes.scheme.sets)?;
         let numbers = varied.iter().map(|one| one.values.len() as u64);
-        let number = numbers.fold(1u64, u64::saturating_mul);
+        let number = numbers.fold(1, u64::saturating_mul);
         if number > MAX_VALUES {
             refuse!(
                 varied[0].place.clone(),
                 "{number} combinations are too many: at most {MAX_VALUES}"
             );
         }
-        Ok((file, varied, number as usize))
+        // One for all scenes, which may be many.
+        let changes = Arc::new(changes.clone());
+        let combination = |k: usize| {
+            let (mut file, mut changes) = (file.clone(), Arc::clone(&changes));
+            // The last parameter changes fastest.
+            let (mut rest, mut chosen) = (k, Vec::new());
+            for one in varied.iter().rev() {
+                chosen.insert(0, (one, rest % one.values.len()));
+                rest /= one.values.len();
+            }
+            let set = |(one, place): &(&Varied, usize)| {
+                let text = one.texts[*place].clone();
+                Set { name: one.name.clone(), values: vec![text] }
+            };
+            let sets: Vec<Set> = chosen.iter().map(set).collect();
+            sets.iter().for_each(|set| put(&mut file, &set.name, set.values[0].clone()));
+            if apart {
+                Arc::make_mut(&mut changes).scheme.sets = sets;
+            }
+            let mut scene = Scene::of(source, file, &changes, !apart)?;
+            if changes.independent {
+                scene.settings.key.experiment = k as u64;
+            }
+            let axes = || chosen.iter().filter(|(one, _)| one.is_axis());
+            let words: Vec<String> = axes().map(|(one, place)| one.words(*place)).collect();
+            let value = |(one, place): &(&Varied, usize)| (one.name.clone(), one.values[*place]);
+            Ok(Combination {
+                label: words.join(", "),
+                values: axes().map(value).collect(),
+                places: axes().map(|(_, place)| *place).collect(),
+                scene,
+            })
+        };
+        let combinations = (0..number as usize).map(combination).collect::<Read<_>>()?;
+        varied.retain(Varied::is_axis);
+        Ok(Self { varied, combinations })
     }
-}
-
-/// The number of the value of each parameter in a combination.
-fn places(varied: &[Varied], combination: usize) -> Vec<usize> {
-    let mut rest = combination;
-    let mut places: Vec<usize> = Vec::new();
-    for one in varied.iter().rev() {
-        places.push(rest % one.values.len());
-        rest /= one.values.len();
-    }
-    places.reverse();
-    places
 }
 
 /// The parameters chosen by the scene and by the command line, which takes precedence.
 fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
-    let varied = |name: &str, texts: &[String], place| {
-        let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());
-        Varied { name, values, texts, place }
-    };
-    let own = file.sweep.iter();
-    let mut all: Vec<Varied> =
-        own.map(|(name, values)| varied(name, &values.0, Some(values.span()))).collect();
+    let own = file.sweep.iter().map(|(name, at)| (name.as_str(), (&at.0, Some(at.span()))));
+    let mut all: IndexMap<&str, (&Vec<String>, Option<Range<usize>>)> = own.collect();
     for (k, Set { name, values }) in given.iter().enumerate() {
         if given[..k].iter().any(|before| before.name == *name) {
             refuse!(None, "--set {name} is given twice");
         }
-        let set = varied(name, values, None);
-        match all.iter_mut().find(|known| known.name == *name) {
-            Some(known) => *known = set,
-            None => all.push(set),
-        }
+        all.insert(name, (values, None));
     }
     let known: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
-    for Varied { name, values, texts, place } in &mut all {
-        let place = place.clone();
+    let varied = all.into_iter().map(|(name, (texts, place))| {
         if texts.is_empty() {
             refuse!(place, "`{name}` needs a value");
         }
-        if !known.contains(&&**name) && file.system.name.is_none() {
+        if !known.contains(&name) && file.system.name.is_none() {
             refuse!(place, "no parameter `{name}` to set{}", among(name, &known));
         }
+        let mut values = Vec::new();
         for text in texts {
             match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
                 Ok(value) if values.contains(&value) => {
@@ -210,8 +173,9 @@ fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
                 Err(error) => refuse!(place, "{name} = {text}: {}", error.message),
             }
         }
-    }
-    Ok(all)
+        Ok(Varied { name: name.into(), values, texts: texts.clone(), place })
+    });
+    varied.collect()
 }
 
 /// Part of the change of a parameter by which numbers are generic: formulas with 0.500000001 have
@@ -246,55 +210,42 @@ pub struct Changed {
 }
 
 impl Nearby {
-    /// Scenes near that of a text with the changes that a command line makes; each parameter is
-    /// changed by the second number beside its name.
-    ///
-    /// # Errors
-    /// [`SceneError`] if there is no such parameter, or a changed scene is none.
-    pub fn new(
-        source: &Source,
-        changes: &Changes,
-        parameters: &[(String, f64)],
-    ) -> Result<Self, SceneError> {
-        source.located(Self::of(source, changes, parameters))
-    }
-
-    fn of(source: &Source, changes: &Changes, parameters: &[(String, f64)]) -> Read<Self> {
-        let mut file = parse(&source.text)?;
-        settle(&mut file, &changes.scheme.sets)?;
+    /// Scenes near one, in each of which a parameter of its gradient has another value.
+    pub(super) fn of(Scene { source, changes, gradient, .. }: &Scene, by: &[f64]) -> Read<Self> {
+        let mut file = settled(source, changes)?;
         let numbers = Constants::new(&file.system)?.numbers;
-        let changes = Arc::new(changes.clone());
-        let put = |file: &mut SceneFile, name: &str, value: f64| {
-            let (values, texts) = (vec![value], vec![value.to_string()]);
-            Varied { name: name.into(), values, texts, place: None }.put(file, 0);
-        };
         let mut generic = Vec::new();
-        for (k, (name, change)) in parameters.iter().enumerate() {
+        for (k, (name, change)) in gradient.iter().zip(by).enumerate() {
             let Some((_, value)) = numbers.iter().find(|(known, _)| known == name) else {
                 let known: Vec<&str> = numbers.iter().map(|(known, _)| &known[..]).collect();
                 refuse!(None, "no parameter `{name}` to differentiate by{}", among(name, &known));
             };
-            if parameters[..k].iter().any(|(before, _)| before == name) {
+            if gradient[..k].contains(name) {
                 refuse!(None, "the derivative by `{name}` is asked for twice");
             }
             differentiable(&file, &numbers, name)?;
             let offset = GENERIC * (k + 1) as f64 * change;
-            put(&mut file, name, value + offset);
-            generic.push((name, offset, value + offset, *change));
+            put(&mut file, name, (value + offset).to_string());
+            generic.push((name, offset, value + offset, change));
         }
-        let words = observed(&file, &changes);
-        let near = |&(name, offset, value, change): &(&String, f64, f64, f64)| {
+        let words = observed(&file, changes);
+        let is_heat = |word: &String| word.strip_prefix("heat").is_some_and(is_number);
+        let has_energy = words.contains("H0") || words.iter().any(is_heat);
+        let near = |(name, offset, value, change): (&String, f64, f64, &f64)| {
             let (mut file, near) = (file.clone(), value + change);
-            put(&mut file, name, near);
-            let (parameter, scene) = (name.clone(), Scene::of(source, file, &changes, false)?);
-            let is_heat = |word: &String| word.strip_prefix("heat").is_some_and(is_number);
-            let has_energy = words.contains("H0") || words.iter().any(is_heat);
-            let is_observed = words.contains(name) || has_energy;
-            let (change, curvature) = (near - value, 0.0);
-            Ok(Changed { parameter, value, change, offset, curvature, is_observed, scene })
+            put(&mut file, name, near.to_string());
+            Ok(Changed {
+                parameter: name.clone(),
+                value,
+                change: near - value,
+                offset,
+                curvature: 0.0,
+                is_observed: words.contains(name) || has_energy,
+                scene: Scene::of(source, file, changes, false)?,
+            })
         };
-        let changed = generic.iter().map(near).collect::<Read<_>>()?;
-        Ok(Self { scene: Scene::of(source, file, &changes, false)?, changed })
+        let changed = generic.into_iter().map(near).collect::<Read<_>>()?;
+        Ok(Self { scene: Scene::of(source, file, changes, false)?, changed })
     }
 }
 
@@ -308,11 +259,8 @@ fn observed(file: &SceneFile, changes: &Changes) -> HashSet<String> {
     let of = file.expect.iter().flat_map(|table| table.of.iter().map(|text| &text.0));
     let events = file.events.values().map(|event| &event.0.when.0);
     let texts = named.chain(of).chain(events).chain(&changes.of);
-    let words = |text: &String| -> Vec<String> {
-        let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
-        text.split(|c| !is_of_word(c)).map(Into::into).collect()
-    };
-    texts.flat_map(words).collect()
+    let ends_word = |c: char| !(c.is_alphanumeric() || c == '_');
+    texts.flat_map(|text| text.split(ends_word)).map(Into::into).collect()
 }
 
 /// Refuses a parameter of random initial values, or of a rate of damping with conditions.
@@ -347,18 +295,19 @@ fn differentiable(file: &SceneFile, numbers: &[(String, f64)], name: &str) -> Re
 /// Number of random numbers of each kind that initial values are asked for.
 const MAX_RANDOM: usize = 64;
 
-/// Gives the parameters of a scene the values that the command line chooses, one each.
-pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {
+/// The keys of a scene, where parameters have the values that the command line chooses, one each.
+pub fn settled(source: &Source, changes: &Changes) -> Read<SceneFile> {
+    let mut file = parse(&source.text)?;
     file.sweep.clear();
-    for one in chosen(file, given)? {
-        if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
+    for Varied { name, texts, place, .. } in chosen(&file, &changes.scheme.sets)? {
+        if let [first, _, ..] = &texts[..] {
             refuse!(
-                one.place.clone(),
+                place,
                 "`{name}` has {} values, and one is taken here: choose it by --set {name}={first}",
-                one.values.len()
+                texts.len()
             );
         }
-        one.put(file, 0);
+        put(&mut file, &name, texts[0].clone());
     }
-    Ok(())
+    Ok(file)
 }

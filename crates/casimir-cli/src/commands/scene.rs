@@ -7,7 +7,7 @@ use casimir::mc::{
     parts::{Job, JobError, Program, Share, remove},
 };
 use clap::Args;
-use scenes::{Apart, Scene, Source, Sweep};
+use scenes::{Combination, Scene, Source, Sweep};
 use verbs::{
     self, Found, Outcomes, Store, Stores, Verb, Watch,
     failure::{
@@ -114,7 +114,7 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
     }
     let scenes = read(on, |source| Sweep::apart(&source, &changes))?;
     let whole = folder(on, V::NAME)?;
-    if let [Apart { label, scene, .. }] = &scenes[..]
+    if let [Combination { label, scene, .. }] = &scenes[..]
         && label.is_empty()
     {
         let to = if V::WRITES { Some(&whole) } else { on.out.as_ref() };
@@ -122,7 +122,7 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
         return one(options, scene, &whole, &show);
     }
     let (mut unreached, list) = (Vec::new(), RefCell::new(Vec::new()));
-    for (k, Apart { label, values, scene }) in scenes.iter().enumerate() {
+    for (k, Combination { label, values, scene, .. }) in scenes.iter().enumerate() {
         let folder = whole.join(format!("combination-{}", k + 1));
         if !on.json {
             print(&format!("== {label}\n"))?;

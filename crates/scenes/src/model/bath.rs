@@ -1,6 +1,6 @@
 //! The heat baths of a scene.
 
-use std::{ops::Range, slice::from_mut, sync::Arc};
+use std::{ops::Range, slice::from_mut};
 
 use casimir::{
     formula::{Bath, Coordinate, Definition, FormulaSystem},
@@ -8,10 +8,9 @@ use casimir::{
     real::{Row, Rows},
     systems::{Linearity, run_time::System},
 };
-use indexmap::IndexMap;
+use keys::*;
 
-use super::damping::{Rates, named_rates, of_rate};
-use crate::{At, BathTable, Observable, Quantity, Read, Reading, Text, refuse};
+use super::damping::{Rates, of_rate, rates};
 
 /// Fractions of T at which the conditions of a bath are checked, at points around the initial
 /// value.
@@ -28,12 +27,11 @@ pub struct Share {
 
 /// Adds heat baths to a definition: noises of friction on momenta, whose damping is exact, and
 /// functions through which baths act otherwise.
-pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> Read<Vec<Share>> {
+pub fn baths(reading: &Reading, definition: &mut Definition) -> Read<Vec<Share>> {
     let Reading { file, settings, .. } = reading;
     let times = TIMES.map(|part| part * settings.until);
     let mut shares = Vec::new();
-    for table in file.bath.iter() {
-        let BathTable { temperature, through, friction, transverse } = table;
+    for BathTable { temperature, through, friction, transverse } in file.bath.iter() {
         let kt = of_rate(reading, temperature)?;
         let is_least = |t: &f64| kt.rate(*t) < 0.0 || kt.rate(*t) == 0.0 && friction.is_empty();
         if let Some(t) = times.iter().find(|t| is_least(t)) {
@@ -46,10 +44,9 @@ pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> 
                  `transverse` damping of spins"
             );
         }
-        let (given, state) = (friction.iter().collect::<Vec<_>>(), &definition.state);
-        let rates = named_rates(reading, &given, state, &definition.vectors)?;
+        let rates = rates(reading, friction, &definition.state, &definition.vectors)?;
         for (i, text) in &rates {
-            let (rate, name) = (of_rate(reading, text)?, &state[*i]);
+            let (rate, name) = (of_rate(reading, text)?, &definition.state[*i]);
             if let Some(t) = times.iter().find(|t| rate.rate(**t) < 0.0) {
                 let rate = rate.rate(*t);
                 refuse!(*text, "the friction of `{name}` must not be negative, got {rate} at t = {t}");
@@ -59,14 +56,13 @@ pub fn baths(reading: &Reading<'_>, definition: &mut Definition, y0: &[f64]) -> 
         let first = (definition.noises.len(), definition.baths.len());
         definition.noises.extend(noises);
         let texts = through.iter().map(|text| text.0.clone());
-        let through = texts.chain(of_spins(reading, definition, transverse, temperature, y0)?);
+        let through = texts.chain(of_spins(reading, definition, transverse, temperature)?);
         let bath = |through| Bath { through, temperature: temperature.0.clone() };
-        definition.baths.extend(through.map(bath).collect::<Vec<_>>());
-        let constant = |(i, rate): &(usize, &At<Text>)| Ok((*i, of_rate(reading, rate)?.rate(0.0)));
+        definition.baths.extend(through.map(bath));
         shares.push(Share {
             noises: first.0..definition.noises.len(),
             functions: first.1..definition.baths.len(),
-            friction: rates.iter().map(constant).collect::<Read<_>>()?,
+            friction: rates.iter().map(|(i, _, damping)| (*i, damping.rate(0.0))).collect(),
         });
     }
     Ok(shares)
@@ -85,15 +81,10 @@ pub fn heats(
     }
     let functions = shares.last().map_or(0, |share| share.functions.end);
     let mut others = system.description().noises - (functions - exact.len())..;
-    let mut converted = first..;
-    let places: Vec<usize> = (0..functions)
-        .filter_map(|k| match exact.iter().any(|(n, ..)| *n == k) {
-            true => converted.next(),
-            false => others.next(),
-        })
-        .collect();
-    let heat = |(n, share): (usize, &Share)| {
-        let Share { noises, functions, friction } = share;
+    let converted = |k| exact.iter().position(|(n, ..)| *n == k).map(|place| first + place);
+    let place = |k| converted(k).or_else(|| others.next());
+    let places: Vec<usize> = (0..functions).filter_map(place).collect();
+    let heat = |(n, Share { noises, functions, friction }): (usize, &Share)| {
         let noises: Vec<usize> =
             noises.clone().chain(places[functions.clone()].iter().copied()).collect();
         let own = exact.iter().filter(|(k, ..)| functions.contains(k));
@@ -104,29 +95,28 @@ pub fn heats(
             let mut scratch = Rows::zero(tape.scratch_rows());
             tape.evaluate(&[&y[..d]], from_mut(values), &mut scratch);
         };
-        Observable::new(format!("heat{}", n + 1), Quantity::Function(Arc::new(power)))
+        Observable::new(format!("heat{n}"), Quantity::smooth(power))
     };
-    shares.iter().enumerate().map(heat).collect()
+    (1..).zip(shares).map(heat).collect()
 }
 
 /// √(2αkT/|s|)s for the components of spins s.
 fn of_spins(
-    reading: &Reading<'_>,
-    definition: &Definition,
-    transverse: &IndexMap<At<String>, At<Text>>,
+    reading: &Reading,
+    Definition { state, vectors, .. }: &Definition,
+    transverse: &Named<Text>,
     temperature: &At<Text>,
-    y0: &[f64],
 ) -> Read<Vec<String>> {
     let mut through = Vec::new();
     for (name, alpha) in transverse {
         of_rate(reading, alpha)?;
-        let Definition { state, vectors, .. } = definition;
         let spin = vectors.iter().find(|(vector, all)| vector == &**name && all.len() == 3);
         let Some((_, components)) = spin else {
             refuse!(name, "`{}` is no spin: a vector of three components, as s[xyz]", **name);
         };
         let values =
             components.iter().filter_map(|one| state.iter().position(|known| known == one));
+        let y0 = &reading.settings.initial;
         let length = values.map(|i| y0[i] * y0[i]).sum::<f64>().sqrt();
         if length == 0.0 {
             refuse!(name, "the spin `{}` begins with length 0", **name);
@@ -145,12 +135,11 @@ fn of_spins(
 /// and ∂H₀/∂pᵢ = pᵢ/mᵢ with a constant mᵢ. All this is looked at in the formulas, and what fails is
 /// named.
 fn of_friction(
-    reading: &Reading<'_>,
+    Reading { file, settings, .. }: &Reading,
     definition: &Definition,
-    rates: &Rates<'_>,
+    rates: &Rates,
     temperature: &At<Text>,
 ) -> Read<Vec<String>> {
-    let Reading { file, settings, .. } = reading;
     if rates.is_empty() {
         return Ok(Vec::new());
     }
@@ -168,9 +157,9 @@ fn of_friction(
             "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any noise"
         );
     }
-    let momenta: Vec<usize> = rates.iter().map(|(i, _)| *i).collect();
-    let noise = |((i, rate), found): (&(usize, &At<Text>), Option<Coordinate>)| {
-        let (state, name) = (&definition.state, &definition.state[*i]);
+    let momenta: Vec<usize> = rates.iter().map(|(i, ..)| *i).collect();
+    let noise = |(&(i, rate, _), found): (&(usize, &str, _), _)| {
+        let (state, name) = (&definition.state, &definition.state[i]);
         let Some(Coordinate { component, mass }) = found else {
             refuse!(
                 temperature,
@@ -181,7 +170,7 @@ fn of_friction(
         let q = &state[component];
         let what = match mass {
             Ok(mass) if mass > 0.0 => {
-                let (rate, kt) = (&rate.0, &temperature.0);
+                let kt = &temperature.0;
                 return Ok(format!("sqrt(2*({rate})*({kt})*{mass:?})*{q}"));
             }
             Err(Some(k)) => format!("∂H0/∂{name} depends on `{}`", state[k]),

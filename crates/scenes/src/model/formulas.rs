@@ -1,22 +1,23 @@
-//! A system from formulas.
+//! A system from formulas: B and Hamiltonians, or the fields of an equation without them.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use casimir::{
-    formula::{Definition, DefinitionError, FormulaSystem, Which},
+    formula::{Definition, DefinitionError, Equation, FormulaSystem, Which},
     inspect::facts::energy,
     mc::{self, Friction, demand},
-    systems::run_time::{Problem, System},
+    systems::{
+        probe::around,
+        run_time::{Problem, System},
+    },
 };
+use keys::*;
 
 use super::{
     AtRunTime, Built,
     bath::{baths, heats},
     damping::{constant, damping},
-};
-use crate::{
-    At, BathTable, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text,
-    Wrong, place as place_of, refuse, structure as texts,
+    problem,
 };
 
 /// Bytes of an entry of B, and those of what is made of a component.
@@ -24,25 +25,20 @@ const ENTRY: f64 = 2e3;
 const COMPONENT: f64 = 3e4;
 
 /// Builds the model of a system from formulas.
-pub fn build(reading: &Reading<'_>) -> Read<Built> {
+pub fn build(reading: &Reading) -> Read<Built> {
     let Reading { file, constants, settings } = reading;
     let table = &file.system;
-    let (Some(state), Some(structure), Some(energy)) =
-        (&table.state, &table.structure, &table.energy)
-    else {
-        let missing = match (&table.state, &table.structure) {
-            (None, _) => "`state`, the names of the components",
-            (_, None) => "`B`, the structure matrix",
-            _ => "`H0`, the Hamiltonian",
-        };
-        refuse!(
-            None,
-            "[system] needs {missing}; or `drift` and `noise` alone; or the `name` of a system of the \
-             project, see `casimir new --list`"
-        );
+    let missing = |what: &str| {
+        let words = "or `drift` and `noise` alone; or the `name` of a system of the project, see \
+                     `casimir new --list`";
+        Wrong::new(None, format_args!("[system] needs {what}; {words}"))
     };
+    let state = table.state.as_ref();
+    let state = state.ok_or_else(|| missing("`state`, the names of the components"))?;
+    let structure = table.structure.as_ref();
+    let structure = structure.ok_or_else(|| missing("`B`, the structure matrix"))?;
+    let energy = table.energy.as_ref().ok_or_else(|| missing("`H0`, the Hamiltonian"))?;
     single(table)?;
-    let words = |text: &At<Text>| text.0.clone();
     let state = State::new(state)?;
     let d = state.components.len();
     let entries = match &**structure {
@@ -53,22 +49,13 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     demand(format!("the formulas of {d} components"), memory)
         .map_err(|error| Wrong::new(structure, error))?;
     let mut definition = Definition {
-        name: file.title.clone().unwrap_or("formulas".into()),
-        state: state.components.iter().map(|name| name.to_string()).collect(),
-        vectors: state.vectors.clone(),
-        parameters: constants.numbers.clone(),
-        structure: texts((&state, &constants.names), structure)?,
-        energy: words(energy),
-        noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
-        ..Definition::default()
+        structure: keys::structure((&state, &constants.names), structure)?,
+        energy: energy.0.clone(),
+        noises: table.noises.as_ref().map_or(Vec::new(), words),
+        ..definition(reading, &state, "formulas")
     };
-    let y0 = &settings.initial;
-    let shares = baths(reading, &mut definition, y0)?;
-    let made = |definition: &Definition| {
-        let system = FormulaSystem::new(definition, y0);
-        system.map_err(|error| misdefined(reading, &state, &error))
-    };
-    let mut system = made(&definition)?;
+    let shares = baths(reading, &mut definition)?;
+    let mut system = defined(reading, &state, &definition)?;
     let (damping, mut friction) = damping(reading, &definition.state, &state.vectors)?;
     // Baths that are friction and noise of one component, and are exact as such.
     let (of_baths, first) = (system.friction(), definition.noises.len());
@@ -77,33 +64,69 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         friction.push(Friction { damping: constant(rate), components: vec![component] });
     }
     if !of_baths.is_empty() {
-        system = made(&definition)?;
+        system = defined(reading, &state, &definition)?;
     }
     let quantities = heats(&shares, &system, (&of_baths, first));
-    let system = Arc::new(system);
-    let names = system.names().clone();
-    let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
-        .map_err(|error| reading.initial_error(error))?;
+    let (names, system) = (system.names().clone(), Arc::new(system));
+    let problem = problem(reading, system.clone(), damping, settings.initial.to_vec())?;
     compare(reading, &system, (&problem, &friction))?;
-    Ok(Built {
-        sizes: Vec::new(),
-        model: Box::new(AtRunTime {
-            problem,
-            friction,
-            initial: None,
-            formulas: Some(system),
-            facts: OnceLock::new(),
-            flows: OnceLock::new(),
+    let model = AtRunTime::new(problem, friction, Some(system));
+    Ok(Built { quantities, ..Built::new(model, names, Some(Further::Energy(energy.clone()))) })
+}
+
+/// Builds the model of an equation that has neither B nor H. Damping of all components is friction,
+/// which every scheme takes exactly.
+pub fn build_plain(reading: &Reading, drift: &Formulas) -> Read<Built> {
+    let Reading { file, settings, .. } = reading;
+    let table = &file.system;
+    single(table)?;
+    let Some(state) = &table.state else {
+        refuse!(drift, "[system] needs `state`, the names of the components");
+    };
+    if let Some(bath) = file.bath.first() {
+        refuse!(
+            &bath.temperature,
+            "a heat bath belongs to an energy: give B and H0 as well, or its noise and damping"
+        );
+    }
+    let state = State::new(state)?;
+    let definition = Definition {
+        equation: Some(Equation {
+            drift: words(drift),
+            noises: table.noise.iter().flatten().map(words).collect(),
+            ito: table.calculus.as_deref() == Some(&Calculus::Ito),
         }),
-        components: definition.state,
-        names,
-        energy: Some(Further::Energy(energy.clone())),
-        quantities,
-    })
+        ..definition(reading, &state, "equation")
+    };
+    let (system, y0) = (defined(reading, &state, &definition)?, &settings.initial);
+    let (of_all, mut friction) = damping(reading, &definition.state, &state.vectors)?;
+    if friction.is_empty() && file.damping.is_some() {
+        friction.push(Friction { damping: of_all, components: (0..y0.len()).collect() });
+    }
+    let (names, system) = (system.names().clone(), Arc::new(system));
+    let problem = problem(reading, system.clone(), constant(0.0), y0.to_vec())?;
+    Ok(Built::new(AtRunTime::new(problem, friction, Some(system)), names, None))
+}
+
+/// A definition of a state and parameters, with the name of the title or else this one.
+fn definition(Reading { file, constants, .. }: &Reading, state: &State, name: &str) -> Definition {
+    Definition {
+        name: file.title.as_deref().unwrap_or(name).into(),
+        state: strings(&state.components),
+        vectors: state.vectors.clone(),
+        parameters: constants.numbers.clone(),
+        ..Definition::default()
+    }
+}
+
+/// The system of a definition.
+fn defined(reading: &Reading, state: &State, definition: &Definition) -> Read<FormulaSystem> {
+    FormulaSystem::new(definition, &reading.settings.initial)
+        .map_err(|error| misdefined(reading, state, &error))
 }
 
 /// Refuses parameters that are lists.
-pub fn single(table: &SystemTable) -> Read<()> {
+fn single(table: &SystemTable) -> Read<()> {
     let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
     if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
         refuse!(value, "the parameter `{}` of formulas is one number", **key);
@@ -119,17 +142,17 @@ const ROUNDING: f64 = 1e-9;
 /// initial value. Itô's drift has ½Σ bₘ′bₘ besides. Components that stay zero, such as momenta that
 /// make any equation one of this form, are zero at the points, and need no formula.
 fn compare(
-    reading: &Reading<'_>,
+    reading: &Reading,
     system: &FormulaSystem,
     (problem, friction): (&Problem, &[Friction]),
 ) -> Read<()> {
     let SystemTable { calculus, drift, noise, .. } = &reading.file.system;
     let noise = noise.as_deref().unwrap_or_default();
     let Some(drift) = drift else {
-        let place = place_of(calculus).or(noise.first().map(At::span));
-        return place.map_or(Ok(()), |place| {
-            refuse!(place, "`calculus` and `noise` are for an equation: give its `drift` as well");
-        });
+        let Some(place) = keys::place(calculus).or(noise.first().map(At::span)) else {
+            return Ok(());
+        };
+        refuse!(place, "`calculus` and `noise` are for an equation: give its `drift` as well");
     };
     let of = mc::Problem::at_run_time(problem).with_friction(friction);
     let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
@@ -143,17 +166,14 @@ fn compare(
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| Wrong::new(drift, error))?;
-    let mut points = casimir::systems::probe::around(y0, |y| system.check_domain(y).is_ok());
+    let mut points = around(y0, |y| system.check_domain(y).is_ok());
     let moving = moving(&of, system, &mut points);
-    for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
-    {
-        let all: Vec<usize> = match texts.len() {
-            given if given == moving.len() => moving.clone(),
-            given if given == y0.len() => (0..given).collect(),
-            given => {
-                let d = y0.len();
-                refuse!(texts, "one formula for each of {d} components, got {given}");
-            }
+    for (m, texts) in (1..).zip(noise).chain([(0, drift)]) {
+        let (given, d) = (texts.len(), y0.len());
+        let all = match given {
+            _ if given == moving.len() => moving.clone(),
+            _ if given == d => (0..d).collect(),
+            _ => refuse!(texts, "one formula for each of {d} components, got {given}"),
         };
         for (i, text) in all.into_iter().zip(texts.iter()) {
             let formula = text.formula(&names)?;
@@ -219,7 +239,7 @@ pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
 }
 
 /// The error in a definition, at its place in the scene.
-pub fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
+fn misdefined(reading: &Reading, state: &State, error: &DefinitionError) -> Wrong {
     let table = &reading.file.system;
     let structure = table.structure.as_ref();
     let (mut formula, mut place) = (None, structure.map(At::span));
@@ -234,32 +254,32 @@ pub fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError)
         }
         Which::Energy => formula = table.energy.as_ref(),
         Which::Noise(m) => {
-            formula = table.noises.as_ref().and_then(|noises| noises.get(m - 1));
+            formula = table.noises.iter().flat_map(|noises| noises.iter()).nth(m - 1);
             // Or a bath made it.
             let bath = reading.file.bath.first().map(|bath| bath.temperature.span());
             place = bath.or(place);
         }
         Which::Temperature(m) => {
             let of = |bath: &BathTable| bath.through.len() + 3 * bath.transverse.len();
-            let all = reading.file.bath.iter().flat_map(|bath| vec![bath; of(bath)]);
-            place = all.skip(m - 1).map(|bath| bath.temperature.span()).next();
+            let mut all = reading.file.bath.iter().flat_map(|bath| vec![bath; of(bath)]);
+            place = all.nth(m - 1).map(|bath| bath.temperature.span());
         }
         Which::Field(m, i) => {
             let field = match m {
                 0 => table.drift.as_ref(),
-                _ => table.noise.as_ref().and_then(|noise| noise.get(m - 1)),
+                _ => table.noise.iter().flatten().nth(m - 1),
             };
-            (formula, place) = match field {
-                Some(field) if i > 0 => (field.get(i - 1), place),
-                _ => (None, field.map(At::span)),
-            };
+            match i {
+                0 => place = field.map(At::span),
+                _ => formula = field.and_then(|field| field.get(i - 1)),
+            }
         }
-        Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
+        Which::InitialValue => place = Some(reading.settings.initial.span()),
         Which::State => {
             // A name in the message is in quotes.
-            let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
+            let is_named = |name: &&Name| error.message.contains(&format!("`{}`", ***name));
             let name = state.components.iter().rfind(is_named);
-            place = name.map(At::span).or(place_of(&table.state));
+            place = name.map(At::span).or(keys::place(&table.state));
         }
     }
     match (formula, &error.formula) {

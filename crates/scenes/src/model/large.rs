@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use casimir::{
-    expectation::Expect,
     lattice::{Means, Record},
-    mc::{Coefficients, Column, Friction, NoiseOrigin, Observe, Problem, Role, TimeSeries},
-    real::{PathMask, Row, Rows, WIDTH},
+    mc::{Coefficients, Column, NoiseOrigin, Observe, Problem, Role, TimeSeries},
+    real::{PathMask, Rows},
     schemes::{BuiltIn, Method, SchemeError},
     systems::{
         Damping, SystemError,
@@ -14,9 +13,10 @@ use casimir::{
         run_time::{self, System},
     },
 };
+use keys::*;
 
-use super::{Built, Model, damping::damping, lattice::Start, project::numbered};
-use crate::{Further, Observable, Quantity, Read, Reading, Scene, Settings, refuse};
+use super::{Built, Model, damping::damping, lattice::Start, project::valid};
+use crate::Scene;
 
 /// A large lattice. Its components are means: the mean spin, the energy per spin, and the mean spin
 /// of each site of a cell with several.
@@ -25,24 +25,23 @@ pub struct Large {
     pub lattice: Arc<SpinLattice>,
     damping: Arc<dyn Damping>,
     start: Start,
-    settings: Settings,
     /// Means at the start of path 0.
     means: Vec<f64>,
 }
 
 impl Large {
-    pub(super) fn built(reading: &Reading<'_>, lattice: SpinLattice, start: Start) -> Read<Built> {
-        let names = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}{axis}"));
-        let mut components = Vec::from(names("m"));
-        components.push("energy".into());
-        let several = if start.moments.len() > 1 { start.moments.len() } else { 0 };
-        components.extend((1..=several).flat_map(|b| names(&format!("m{b}"))));
-        let (damping, friction) = damping(reading, &components, &[])?;
+    pub(super) fn built(reading: &Reading, lattice: SpinLattice, start: Start) -> Read<Built> {
+        let vector = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}{axis}"));
+        let sites = start.moments.len();
+        let of_sites = (1..=sites).filter(|_| sites > 1).flat_map(|b| vector(&format!("m{b}")));
+        let names = valid(vector("m").into_iter().chain(["energy".into()]).chain(of_sites));
+        let components = names.variables();
+        let (damping, friction) = damping(reading, components, &[])?;
         if let (false, Some(table)) = (friction.is_empty(), &reading.file.damping) {
-            let place = table.components.as_ref().map(|of| of.span());
-            refuse!(place, "a lattice of so many spins has no friction: give a `rate` of all");
+            let words = "a lattice of so many spins has no friction: give a `rate` of all";
+            refuse!(place(&table.components), "{words}");
         }
-        let y0 = start.of_path(reading.settings.key, 0);
+        let y0 = start.of_path(0);
         let layout = lattice.description().layout;
         let mut rows = Rows::zero(layout.rows);
         for (component, y) in y0.into_iter().enumerate() {
@@ -50,19 +49,13 @@ impl Large {
             rows[row][place] = y;
         }
         let means = Self::values(&Means::of(&lattice, &rows, 0.0));
-        let settings = reading.settings.clone();
-        let quantity = |(k, name): (usize, &String)| Observable::new(name, Quantity::Component(k));
         // A few components are observables by themselves.
         let many = components.len() > crate::MAX_COMPONENTS;
+        let quantity = |(k, name): (usize, &String)| Observable::new(name, Quantity::Component(k));
         let quantities = components.iter().enumerate().map(quantity).filter(|_| many).collect();
-        Ok(Built {
-            names: numbered(&components),
-            components,
-            sizes: Vec::new(),
-            energy: Some(Further::Quantity(Quantity::Component(3))),
-            quantities,
-            model: Box::new(Self { lattice: Arc::new(lattice), damping, start, settings, means }),
-        })
+        let model = Self { lattice: Arc::new(lattice), damping, start, means };
+        let energy = Further::Quantity(Quantity::Component(3));
+        Ok(Built { quantities, ..Built::new(model, names, Some(energy)) })
     }
 
     /// The components, from means.
@@ -77,37 +70,36 @@ impl Large {
     /// # Errors
     /// [`SystemError`] if an initial value is not finite.
     pub fn path(&self, path: u64) -> Result<run_time::Problem, SystemError> {
-        let (settings, lattice) = (&self.settings, Arc::clone(&self.lattice));
-        let y0 = self.start.of_path(settings.key, path);
-        run_time::Problem::new(lattice, Arc::clone(&self.damping), y0, settings.until)
+        let Self { lattice, damping, start, .. } = self;
+        let (y0, t_end) = (start.of_path(path), start.settings.until);
+        run_time::Problem::new(lattice.clone(), damping.clone(), y0, t_end)
     }
 
     /// The table of a path: means of the lattice, and observables of them.
     #[must_use]
     pub fn table(&self, scene: &Scene, (scheme, path): (&str, u64), record: &Record) -> TimeSeries {
         let values: Vec<Vec<f64>> = record.means.iter().map(Self::values).collect();
-        let column =
-            |name: &str, role, values: Vec<f64>| Column { name: name.into(), role, values };
-        let mut columns = vec![column("t", Role::Time, record.times.clone())];
-        for (k, name) in scene.components.iter().enumerate() {
-            let of = values.iter().map(|values| values[k]).collect();
-            columns.push(column(name, Role::Component, of));
-        }
+        let column = |name: &str, role, of: &dyn Fn(&Vec<f64>) -> f64| {
+            let values = values.iter().map(of).collect();
+            Column { name: name.into(), role, values }
+        };
+        let time = Column { name: "t".into(), role: Role::Time, values: record.times.clone() };
+        let components = scene.components.iter().enumerate();
+        let components = components.map(|(k, name)| column(name, Role::Component, &|of| of[k]));
         let others = scene.observables.iter();
-        for phi in others.filter(|phi| !matches!(phi.quantity, Quantity::Component(_))) {
-            let value = |values: &Vec<f64>| {
-                let rows: Vec<Row> = values.iter().map(|value| [*value; WIDTH]).collect();
-                phi.values(&rows, PathMask::first(1))[0]
-            };
-            columns.push(column(&phi.name, Role::Observable, values.iter().map(value).collect()));
-        }
-        let problem = self.problem();
-        let key = self.settings.key;
+        let others = others.filter(|phi| !matches!(phi.quantity, Quantity::Component(_)));
+        let others = others.map(|phi| {
+            let value = |of: &Vec<f64>| phi.values(&Rows::splat(of), PathMask::first(1))[0];
+            column(&phi.name, Role::Observable, &value)
+        });
+        let columns = [time].into_iter().chain(components).chain(others).collect();
+        let (problem, settings) = (self.problem(), &self.start.settings);
+        let key = settings.key;
         TimeSeries {
             system: self.lattice.crystal().cell.name.clone(),
             damping: problem.describe_damping(),
             scheme: scheme.into(),
-            tau: problem.t_end / self.settings.steps as f64,
+            tau: problem.t_end / settings.steps as f64,
             noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
             halted: record.halted.clone(),
             columns,
@@ -118,7 +110,6 @@ impl Large {
 impl Model for Large {
     /// Means in place of spins: no scheme takes it.
     fn problem(&self) -> Problem<'_> {
-        let none = || Coefficients { drift: vec![], noises: vec![], correction: vec![] };
         let description = self.lattice.description();
         Problem {
             name: description.name.clone(),
@@ -127,11 +118,15 @@ impl Model for Large {
             silent: false,
             y0: self.means.clone(),
             initial: None,
-            t_end: self.settings.until,
+            t_end: self.start.settings.until,
             damping: &*self.damping,
             friction: &[],
             laws: Vec::new(),
-            coefficients: Arc::new(move |_, _| none()),
+            coefficients: Arc::new(|_, _| Coefficients {
+                drift: vec![],
+                noises: vec![],
+                correction: vec![],
+            }),
             in_time: None,
             device: None,
         }
@@ -141,20 +136,12 @@ impl Model for Large {
         Err(SchemeError::not_for(scheme.id(), "spin-lattice", "one path is on all threads"))
     }
 
-    fn expect(&self) -> Option<Expect<'_>> {
-        None
-    }
-
     fn system(&self) -> &dyn System {
         &*self.lattice
     }
 
     fn recommended(&self) -> (&'static str, String) {
         ("sexp-li", "it keeps the lengths of spins, and is explicit".into())
-    }
-
-    fn friction(&self) -> &[Friction] {
-        &[]
     }
 
     fn fastest(&self) -> f64 {

@@ -3,21 +3,25 @@
 use std::{ops::Range, sync::Arc};
 
 use casimir::{
-    expectation::Expect,
+    formula::Names,
     inspect::facts::Bath,
-    mc::{Friction, Initial, Observe, Problem, Setup},
-    noise::StreamKey,
+    mc::{Initial, Observe, Problem, bind_at_run_time},
     real::{PathMask, Row, WIDTH},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{self, System},
 };
+use keys::*;
 use matrix::{
     Function, Grid, InCoordinates, MatrixSystem, OnMatrices, Quantum, Scheme, Sphere,
     SpinCouplings, Stirring, SuSpins, c64, coordinates, matrices, pure,
 };
 
-use super::{Built, Known, Model, damping::damping, lattice, project::numbered};
-use crate::{At, Further, Observable, Parameter, Quantity, Read, Reading, refuse};
+use super::{
+    Built, Known, Model,
+    damping::damping,
+    lattice, problem,
+    project::{numbered, valid},
+};
 
 /// The parameters of the systems.
 pub const FLUID: &str = "size = 16, rotation = 0, advection = 1, degrees, strengths, spectrum = 8";
@@ -42,27 +46,18 @@ impl Model for OfMatrices {
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let (id, of) = (scheme.id(), self.system());
+        let refused = |why| Err(SchemeError::not_for(id, self.system.name(), why));
         let scheme = match scheme {
             BuiltIn::SexpLi => Scheme::Explicit,
             BuiltIn::Midpoint => Scheme::Midpoint,
             BuiltIn::EulerMaruyama | BuiltIn::Heun => {
-                let scheme = scheme.at_run_time(self.problem.system())?;
-                return Ok(Setup::at_run_time(&self.problem, scheme)?.scheme);
+                return bind_at_run_time(of, scheme.at_run_time(of)?);
             }
-            other => {
-                let why = match other {
-                    BuiltIn::Split | BuiltIn::Nv => "it needs a sum of parts with flows",
-                    _ => "take sexp-li or midpoint, which keep spectra, or em or heun",
-                };
-                return Err(SchemeError::not_for(other.id(), self.system.name(), why));
-            }
+            BuiltIn::Split | BuiltIn::Nv => return refused("it needs a sum of parts with flows"),
+            _ => return refused("take sexp-li or midpoint, which keep spectra, or em or heun"),
         };
         Ok(Arc::new(OnMatrices { system: Arc::clone(&self.system), scheme }))
-    }
-
-    /// None: what is chosen is for systems of texts.
-    fn expect(&self) -> Option<Expect<'_>> {
-        None
     }
 
     fn system(&self) -> &dyn System {
@@ -71,10 +66,6 @@ impl Model for OfMatrices {
 
     fn recommended(&self) -> (&'static str, String) {
         ("sexp-li", "it keeps the spectrum of each matrix at any step, and damps exactly".into())
-    }
-
-    fn friction(&self) -> &[Friction] {
-        &[]
     }
 
     fn bath(&self) -> Option<Bath> {
@@ -92,15 +83,15 @@ impl Model for OfMatrices {
 
     fn vorticity(&self, state: &[f64], grid: &Grid) -> Option<Vec<f64>> {
         let fluid = self.fluid.as_ref()?;
-        let w = of_state(fluid.size(), |i| state[i], state.len());
+        let w = of_state(fluid.size(), state);
         Some(grid.values(fluid.size(), &fluid.relative(&w)))
     }
 }
 
 /// Matrices of a state.
-fn of_state(n: usize, y: impl Fn(usize) -> f64, dimension: usize) -> Vec<c64> {
-    let mut w = vec![c64::default(); dimension];
-    matrices(n, y, &mut w);
+fn of_state(n: usize, y: &[f64]) -> Vec<c64> {
+    let mut w = vec![c64::default(); y.len()];
+    matrices(n, |i| y[i], &mut w);
     w
 }
 
@@ -113,67 +104,56 @@ struct Parts {
     /// Number of rows that random initial numbers have.
     numbers: usize,
     equation: &'static str,
-    components: Vec<String>,
+    names: Names,
     functions: Vec<Function>,
     fluid: Option<Arc<Sphere>>,
 }
 
 /// Joins a system with its initial value.
-fn built(reading: &Reading<'_>, system: Arc<dyn MatrixSystem>, parts: Parts) -> Read<Built> {
-    let Parts { start, numbers, equation, components, functions, fluid } = parts;
-    let (n, settings) = (system.size(), reading.settings);
-    let dimension = components.len();
+fn built(reading: &Reading, system: Arc<dyn MatrixSystem>, parts: Parts) -> Read<Built> {
+    let Parts { start, numbers, equation, names, functions, fluid } = parts;
+    let (n, settings) = (system.size(), &reading.settings);
+    let dimension = names.variables().len();
     let state = move |given: &[f64]| {
         let mut y = vec![0.0; dimension];
-        let w = if given.len() == dimension {
-            of_state(n, |i| given[i], dimension)
-        } else {
-            start(given)
-        };
+        let w = if given.len() == dimension { of_state(n, given) } else { start(given) };
         coordinates(n, &w, |i, value| y[i] = value);
         y
     };
     let y0 = state(&settings.initial);
     let initial = settings.random.clone().map(|Initial { law, draw }| {
-        let given = settings.initial.len();
-        let given = if given == dimension { dimension } else { numbers.max(given) };
-        let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
+        let given = numbers.max(settings.initial.len());
+        let draw = Arc::new(move |key, first, rows: &mut [Row]| {
             let mut drawn = vec![[0.0; WIDTH]; given];
             draw(key, first, &mut drawn);
             for p in 0..WIDTH {
                 let of_path: Vec<f64> = drawn.iter().map(|row| row[p]).collect();
                 rows.iter_mut().zip(state(&of_path)).for_each(|(row, y)| row[p] = y);
             }
-        };
-        Initial { law, draw: Arc::new(draw) }
+        });
+        Initial { law, draw }
     });
-    let (damping, friction) = damping(reading, &components, &[])?;
+    let (damping, friction) = damping(reading, names.variables(), &[])?;
     if !friction.is_empty() {
-        let place = reading.file.damping.as_ref().and_then(|table| crate::place(&table.components));
-        refuse!(place, "matrices are damped as a whole: give one `rate`");
+        let at = reading.file.damping.as_ref().and_then(|table| place(&table.components));
+        refuse!(at, "matrices are damped as a whole: give one `rate`");
     }
     let in_coordinates = Arc::new(InCoordinates::new(Arc::clone(&system)));
-    let problem = run_time::Problem::new(in_coordinates, damping, y0, settings.until)
-        .map_err(|error| reading.initial_error(error))?;
+    let problem = problem(reading, in_coordinates, damping, y0)?;
     let quantity = |of: Function| {
         let name = of.name().to_owned();
-        let of = move |y: &[Row], values: &mut Row| of.evaluate(y, PathMask::ALL, values);
-        Observable::new(name, Quantity::Function(Arc::new(of)))
+        let values = move |y: &[Row], values: &mut Row| of.evaluate(y, PathMask::ALL, values);
+        Observable::new(name, Quantity::smooth(values))
     };
     let quantities: Vec<_> = functions.into_iter().map(quantity).collect();
     let energy = quantities.iter().find(|of| of.name == "energy").expect("each system has one");
-    Ok(Built {
-        sizes: Vec::new(),
-        names: numbered(&components),
-        components,
-        energy: Some(Further::Quantity(energy.quantity.clone())),
-        quantities,
-        model: Box::new(OfMatrices { problem, system, initial, equation, fluid }),
-    })
+    let energy = Further::Quantity(energy.quantity.clone());
+    let model = OfMatrices { problem, system, initial, equation, fluid };
+    Ok(Built { quantities, ..Built::new(model, names, Some(energy)) })
 }
 
 /// A whole number of a parameter in a range.
-fn whole(reading: &Reading<'_>, name: &str, default: usize, range: Range<usize>) -> Read<usize> {
+fn whole(reading: &Reading, name: &str, default: usize, range: Range<usize>) -> Read<usize> {
     let number = reading.number(name, default as f64)?;
     if number.fract() != 0.0 || !range.contains(&(number as usize)) {
         let (least, most) = (range.start, range.end - 1);
@@ -185,24 +165,18 @@ fn whole(reading: &Reading<'_>, name: &str, default: usize, range: Range<usize>)
     Ok(number as usize)
 }
 
-/// Names of the parameters in a list of them with defaults.
-fn names(list: &str) -> Vec<&str> {
-    list.split(", ").map(|one| one.split(" = ").next().unwrap_or(one)).collect()
-}
-
 /// Euler's equations on the sphere.
-pub fn fluid(reading: &Reading<'_>) -> Read<Built> {
-    reading.know(&names(FLUID))?;
+pub fn fluid(reading: &Reading) -> Read<Built> {
     let n = whole(reading, "size", 16, 2..matrix::Harmonics::LARGEST + 1)?;
     let rotation = reading.number("rotation", 0.0)?;
     if let (true, Some(table)) = (rotation != 0.0, &reading.file.damping) {
-        let place = crate::place(&table.rate);
-        refuse!(place, "damping would act on the vorticity of the rotation, too: leave one out");
+        let words = "damping would act on the vorticity of the rotation, too: leave one out";
+        refuse!(place(&table.rate), "{words}");
     }
     let degrees = reading.list("degrees", &[])?;
     let strengths = reading.list("strengths", &[1.0])?;
-    if let Some(degree) = degrees.iter().find(|l| l.fract() != 0.0 || !(1.0..n as f64).contains(l))
-    {
+    let is_wrong = |l: &&f64| l.fract() != 0.0 || !(1.0..n as f64).contains(*l);
+    if let Some(degree) = degrees.iter().find(is_wrong) {
         let most = n - 1;
         refuse!(reading.place("degrees"), "degrees are whole, from 1 to {most}, got {degree}");
     }
@@ -215,62 +189,55 @@ pub fn fluid(reading: &Reading<'_>) -> Read<Built> {
         Stirring::isotropic(*degree as usize, strengths[k % strengths.len()])
     });
     let advection = reading.number("advection", 1.0)?;
-    let fluid = Sphere::new(n, rotation, advection, stirring)
-        .map_err(|error| reading.error("size", error))?;
-    let (fluid, given) = (Arc::new(fluid), reading.settings.initial.len());
-    if given > n * n {
-        let most = n * n - 1;
-        return Err(reading.initial_error(format!(
+    let fluid = Arc::new(reading.checked("size", Sphere::new(n, rotation, advection, stirring))?);
+    let (initial, dimension) = (&reading.settings.initial, n * n);
+    if initial.len() > dimension {
+        let (most, given) = (dimension - 1, initial.len());
+        refuse!(
+            initial,
             "the initial value has up to {most} coefficients of harmonics, got {given}"
-        )));
+        );
     }
-    let dimension = n * n;
     let most = whole(reading, "spectrum", 8.min(n - 1), 1..n)?;
     let own = Arc::clone(&fluid);
     let parts = Parts {
         start: Box::new(move |given| own.vorticity(given)),
         numbers: 0,
         equation: "dω = {v, ω} dt + Σσₘ{Yₘ, ω} ∘ dWₘ − γω dt, v = (−Δ)⁻¹(ω − f), as matrices",
-        components: (1..=dimension).map(|i| format!("y{i}")).collect(),
+        names: numbered(dimension),
         functions: fluid.functions(most),
         fluid: Some(Arc::clone(&fluid)),
     };
     built(reading, fluid, parts)
 }
 
-/// ψψ* at each site, or at all if there is one ψ; of length one.
-fn coherent(n: usize, sites: usize) -> Box<Start> {
-    Box::new(move |given| {
-        let mut w = Vec::with_capacity(sites * n * n);
-        given.chunks(n).cycle().take(sites).for_each(|psi| pure(psi, &mut w));
-        w
-    })
-}
-
-/// Checks the number of initial numbers, and that ψ is not zero.
-fn demand(reading: &Reading<'_>, n: usize, sites: usize) -> Read<()> {
+/// ψψ* at each site, or at all if there is one ψ, which must not be zero; of length one.
+fn coherent(reading: &Reading, n: usize, sites: usize) -> Read<Box<Start>> {
     let given = &reading.settings.initial;
-    let is_state = given.len() == sites * n * n;
-    let counts = [n, sites * n];
-    if !is_state && !counts.contains(&given.len()) {
-        let (all, count) = (sites * n * n, given.len());
-        return Err(reading.initial_error(format!(
+    let (all, count) = (sites * n * n, given.len());
+    if ![all, n, sites * n].contains(&count) {
+        refuse!(
+            given,
             "the initial value has {n} amplitudes, those of all sites or all {all} components, got \
              {count}"
-        )));
+        );
     }
-    if !is_state && given.chunks(n).any(|psi| psi.iter().all(|x| *x == 0.0)) {
-        return Err(reading.initial_error("amplitudes must not all be zero"));
+    if count != all && given.chunks(n).any(|psi| psi.iter().all(|x| *x == 0.0)) {
+        refuse!(given, "amplitudes must not all be zero");
     }
-    Ok(())
+    Ok(Box::new(move |given| {
+        let mut w = Vec::with_capacity(all);
+        given.chunks(n).cycle().take(sites).for_each(|psi| pure(psi, &mut w));
+        w
+    }))
 }
 
 /// SU(N) spins on a lattice.
-pub fn spins(reading: &Reading<'_>) -> Read<Built> {
-    reading.know(&names(SPINS))?;
+pub fn spins(reading: &Reading) -> Read<Built> {
     let n = whole(reading, "levels", 3, 2..17)?;
     let (_, shape) = lattice::shape(reading, 1.0)?;
-    lattice::fits(reading, shape.sites(), COORDINATE * (n * n) as f64)?;
+    let (sites, size) = (shape.sites(), n * n);
+    lattice::fits(reading, sites, COORDINATE * size as f64)?;
     let couplings = SpinCouplings {
         exchange: reading.number("exchange", 0.0)?,
         quadratic: reading.number("quadratic", 0.0)?,
@@ -278,18 +245,13 @@ pub fn spins(reading: &Reading<'_>) -> Read<Built> {
         field: reading.three("field", [0.0; 3])?,
         bath: lattice::bath(reading, 1)?.map(|(alphas, kt)| [alphas[0], kt]),
     };
-    let sites = shape.sites();
-    let spins =
-        SuSpins::new(n, shape, couplings).map_err(|error| reading.error("levels", error))?;
-    let spins = Arc::new(spins);
-    demand(reading, n, sites)?;
-    let dimension = sites * n * n;
-    let component = |k: usize| format!("s{}_{}", k / (n * n) + 1, k % (n * n) + 1);
+    let spins = Arc::new(reading.checked("levels", SuSpins::new(n, shape, couplings))?);
+    let components = (1..=sites).flat_map(|site| (1..=size).map(move |k| format!("s{site}_{k}")));
     let parts = Parts {
-        start: coherent(n, sites),
+        start: coherent(reading, n, sites)?,
         numbers: sites * n,
         equation: "dρᵢ = −i[∂H/∂ρᵢ, ρᵢ] dt + bath, H = Σ(D(Sz)² + K(Sz)⁴ − h·S) − JΣ Sᵢ·Sⱼ",
-        components: (0..dimension).map(component).collect(),
+        names: valid(components),
         functions: spins.functions(),
         fluid: None,
     };
@@ -297,7 +259,7 @@ pub fn spins(reading: &Reading<'_>) -> Read<Built> {
 }
 
 /// A quantum system with classical noise.
-pub fn quantum(reading: &Reading<'_>) -> Read<Built> {
+pub fn quantum(reading: &Reading) -> Read<Built> {
     let hamiltonian = operators(reading, "hamiltonian")?;
     let n = (1..=hamiltonian.len()).find(|n| n * n >= hamiltonian.len()).unwrap_or(0);
     let noises = operators(reading, "noises")?;
@@ -310,15 +272,13 @@ pub fn quantum(reading: &Reading<'_>) -> Read<Built> {
         );
     }
     let noises = noises.chunks(n * n).map(<[c64]>::to_vec).collect();
-    let quantum = Quantum::new(n, hamiltonian, noises)
-        .map_err(|error| reading.error("hamiltonian", error))?;
-    demand(reading, n, 1)?;
-    let quantum = Arc::new(quantum);
+    let quantum = Quantum::new(n, hamiltonian, noises);
+    let quantum = Arc::new(reading.checked("hamiltonian", quantum)?);
     let parts = Parts {
-        start: coherent(n, 1),
+        start: coherent(reading, n, 1)?,
         numbers: n,
         equation: "dρ = −i[H, ρ] dt − iΣ[Lₘ, ρ] ∘ dWₘ",
-        components: (1..=n * n).map(|i| format!("y{i}")).collect(),
+        names: numbered(n * n),
         functions: quantum.functions(),
         fluid: None,
     };
@@ -327,24 +287,22 @@ pub fn quantum(reading: &Reading<'_>) -> Read<Built> {
 
 /// Entries of operators row by row, formulas of the parameters that are affine in `i`; column by
 /// column for Hermitian ones, whose transposes these are conjugates of.
-fn operators(reading: &Reading<'_>, name: &str) -> Read<Vec<c64>> {
+fn operators(reading: &Reading, name: &str) -> Read<Vec<c64>> {
     let Some(at) = reading.get(name) else { return Ok(Vec::new()) };
-    let Parameter::Many(texts) = &**at else {
+    if !matches!(**at, Parameter::Many(_)) {
         refuse!(at, "`{name}` is a list of entries, row by row, such as [0, \"-i\", \"i\", 0]");
-    };
+    }
     let mut names = reading.constants.names.clone();
-    let unit = names.variable("i").is_ok();
-    let entry = |text: &crate::Text| {
-        let text = At::new(at.span(), text.clone());
+    let units = usize::from(names.variable("i").is_ok());
+    let entry = |text: &At<Text>| {
         let formula = text.formula(&names)?;
-        let of = |i: f64| if unit { formula.value(&[i]) } else { formula.value(&[]) };
-        let (re, im) = (of(0.0), of(1.0) - of(0.0));
-        if !(re + im).is_finite() || (of(2.0) - re - 2.0 * im).abs() > 1e-12 * (re.abs() + im.abs())
-        {
-            refuse!(at, "`{}` is no number a + b*i", text.0);
+        let [re, one, two] = [0.0, 1.0, 2.0].map(|i| formula.value(&[i][..units]));
+        let im = one - re;
+        if !(re + im).is_finite() || (two - re - 2.0 * im).abs() > 1e-12 * (re.abs() + im.abs()) {
+            refuse!(text, "`{}` is no number a + b*i", text.0);
         }
         // Rows of a Hermitian matrix are columns of its conjugate.
         Ok(c64::new(re, -im))
     };
-    texts.iter().map(entry).collect()
+    at.texts().iter().map(entry).collect()
 }

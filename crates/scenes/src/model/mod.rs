@@ -7,7 +7,6 @@ mod formulas;
 mod large;
 mod lattice;
 mod matrices;
-mod plain;
 mod project;
 
 use std::sync::{Arc, OnceLock};
@@ -18,16 +17,15 @@ use casimir::{
     inspect::facts::{
         Bath, Conserved, DampingIntegral, Facts, Form, Span, fastest, is_divergence_free, span,
     },
-    mc::{Friction, Initial, Problem, Setup},
+    mc::{Friction, Initial, Problem, bind_at_run_time},
     schemes::{Baoab, BuiltIn, Method, SchemeError, SexpH, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
     systems::{
-        Linearity,
-        run_time::{self, System},
+        Damping, Linearity,
+        run_time::{self, Description, System},
     },
 };
-
-use crate::{Further, Observable, Read, Reading, SystemTable};
+use keys::*;
 
 pub use large::Large;
 pub use lattice::MANY_SITES;
@@ -54,7 +52,9 @@ pub trait Model: Send + Sync {
 
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
-    fn expect(&self) -> Option<Expect<'_>>;
+    fn expect(&self) -> Option<Expect<'_>> {
+        None
+    }
 
     /// The system, in the form that is common to all systems.
     fn system(&self) -> &dyn System;
@@ -67,32 +67,30 @@ pub trait Model: Send + Sync {
     }
 
     /// Friction on some components.
-    fn friction(&self) -> &[Friction];
+    fn friction(&self) -> &[Friction] {
+        self.problem().friction
+    }
 
     /// The rates of the components, if they are constant in time.
     fn constant_rates(&self) -> Option<Vec<f64>> {
         let problem = self.problem();
         let rates = |t: f64| -> Vec<f64> {
             let of_all = problem.damping.rate(t);
-            let friction = Friction::rates(self.friction(), t, problem.y0.len());
+            let friction = Friction::rates(problem.friction, t, problem.y0.len());
             friction.iter().map(|rate| rate + of_all).collect()
         };
         let first = rates(0.0);
-        let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
-        constant.then_some(first)
+        [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first).then_some(first)
     }
 
     /// Effect of damping and noise on the Gibbs measure, if the rates of damping are constant and
     /// the system is small.
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
-        let description = system.description();
-        if description.plain {
-            return None;
-        }
-        let few = y0.len() <= MAX_OF_BATH && description.noises <= MAX_NOISES;
-        let small = few && !description.depends_on_time;
-        Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
+        let Description { plain, noises, depends_on_time, .. } = system.description();
+        let few = y0.len() <= MAX_OF_BATH && *noises <= MAX_NOISES;
+        let rates = self.constant_rates().filter(|_| few && !plain && !depends_on_time)?;
+        Some(Bath::of(system, &y0, &rates))
     }
 
     /// The inverse temperature β of a law e^{−βH₀} that is stationary on leaves, and reached.
@@ -166,6 +164,15 @@ struct AtRunTime {
 }
 
 impl AtRunTime {
+    fn new(
+        problem: run_time::Problem,
+        friction: Vec<Friction>,
+        formulas: Option<Arc<FormulaSystem>>,
+    ) -> Self {
+        let (facts, flows) = (OnceLock::new(), OnceLock::new());
+        Self { problem, friction, initial: None, formulas, facts, flows }
+    }
+
     /// Facts about the formulas, such as Casimirs, found once. None for lattices, which are too
     /// large.
     fn facts(&self) -> Option<&Facts> {
@@ -185,42 +192,40 @@ impl Model for AtRunTime {
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
-        // These have friction inside.
-        let own = Friction::inside(&self.friction);
-        let system = self.problem.system();
-        let inside: Option<Box<dyn run_time_schemes::Scheme>> = match scheme {
-            _ if self.friction.is_empty() || system.description().plain => None,
-            BuiltIn::Baoab => Some(Box::new(Baoab::new(own))),
-            BuiltIn::SplitH => Some(Box::new(SplitH::of(system, own))),
-            BuiltIn::SexpH => Some(Box::new(SexpH::of(system, own))),
-            _ => None,
+        let (system, friction) = (self.system(), &self.friction[..]);
+        let own = Friction::inside(friction);
+        let has_own = !friction.is_empty() && !system.description().plain;
+        let inside: Box<dyn run_time_schemes::Scheme> = match scheme {
+            BuiltIn::Baoab if has_own => Box::new(Baoab::new(own)),
+            BuiltIn::SplitH if has_own => Box::new(SplitH::of(system, own)),
+            BuiltIn::SexpH if has_own => Box::new(SexpH::of(system, own)),
+            _ => {
+                let scheme = bind_at_run_time(system, scheme.at_run_time(system)?)?;
+                return Ok(Friction::around(scheme, friction));
+            }
         };
-        if let Some(inside) = inside {
-            return Ok(Setup::at_run_time(&self.problem, inside)?.scheme);
-        }
-        let scheme = scheme.at_run_time(self.problem.system())?;
-        Ok(Friction::around(Setup::at_run_time(&self.problem, scheme)?.scheme, &self.friction))
+        bind_at_run_time(system, inside)
     }
 
     /// Recommends no scheme with Lévy areas: formulas and lattices use one only if it is named.
     fn recommended(&self) -> (&'static str, String) {
-        let system = self.system().description();
-        let kept = Conserved::of(&self.problem(), self.system(), false);
-        let (scheme, mut why) = kept.scheme(self.system());
-        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.has_bath) {
+        let system = self.system();
+        let (scheme, mut why) = Conserved::of(&self.problem(), system, false).scheme(system);
+        let Description { parts, has_bath, .. } = system.description();
+        if let (Err(reason), None, false) = (parts, &self.formulas, has_bath) {
             why += &format!("; split would not do: {reason}");
         }
         (scheme, why)
     }
 
     fn known(&self) -> Known {
-        let Some((facts, system)) = self.facts().zip(self.formulas.as_ref()) else {
+        let (Some(facts), Some(system)) = (self.facts(), &self.formulas) else {
             return Known::default();
         };
         let (laws, plain) = (self.problem().laws, self.system().description().plain);
         let holds = |name: &str| laws.iter().any(|law| law.name == name);
         let form = |(k, form): (usize, &Form)| {
-            let name = format!("C{}", k + 1);
+            let name = format!("C{k}");
             let broken = if holds(&name) { "" } else { ", which friction breaks" };
             let what = if plain { "Kept: " } else { "Casimir " };
             format!("{what}{name} = {}{broken}", form.formula())
@@ -232,15 +237,12 @@ impl Model for AtRunTime {
                 _ => "H0 decays as each of its monomials".into(),
             }
         });
-        let of_friction = || {
-            let t_end = self.problem.t_end();
-            let mut all = self.friction.iter();
-            all.find_map(|one| DampingIntegral::of(&*one.damping, t_end).mistake())
-        };
+        let t_end = self.problem.t_end();
+        let mistake = |one: &Friction| DampingIntegral::of(&*one.damping, t_end).mistake();
         Known {
             equations: system.equations(&damped(&self.problem, &self.friction)),
-            laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
-            mistake: facts.mistake.clone().or_else(of_friction),
+            laws: (1..).zip(&facts.casimirs).map(form).chain(energy).collect(),
+            mistake: facts.mistake.clone().or_else(|| self.friction.iter().find_map(mistake)),
         }
     }
 
@@ -264,10 +266,6 @@ impl Model for AtRunTime {
     fn expect(&self) -> Option<Expect<'_>> {
         self.formulas.as_ref()?;
         Some(Expect::at_run_time(&self.problem).ok()?.with_friction(&self.friction))
-    }
-
-    fn friction(&self) -> &[Friction] {
-        &self.friction
     }
 
     fn system(&self) -> &dyn System {
@@ -294,13 +292,11 @@ impl Known {
     pub fn equation(&self) -> String {
         let shown = &self.equations[..self.equations.len().min(MAX_LINES)];
         let more = match self.equations.len() - shown.len() {
+            0 if shown.is_empty() => return String::new(),
             0 => String::new(),
             more => format!("  and of {more} more components\n"),
         };
-        match shown {
-            [] => String::new(),
-            _ => format!("The equation as it was understood\n  {}\n{more}", shown.join("\n  ")),
-        }
+        format!("The equation as it was understood\n  {}\n{more}", shown.join("\n  "))
     }
 
     /// Equation and laws, with the names of the components.
@@ -314,11 +310,9 @@ impl Known {
 pub struct Built {
     /// The model.
     pub model: Box<dyn Model>,
-    /// The names of the components.
-    pub components: Vec<String>,
     /// The sizes of a lattice; none of other systems.
     pub sizes: Vec<usize>,
-    /// The names that formulas of observables may use.
+    /// The components, and further names that formulas of observables may use.
     pub names: Names,
     /// H₀; none of an equation without B and H.
     pub energy: Option<Further>,
@@ -326,34 +320,52 @@ pub struct Built {
     pub quantities: Vec<Observable>,
 }
 
+impl Built {
+    fn new(model: impl Model + 'static, names: Names, energy: Option<Further>) -> Self {
+        let (sizes, quantities) = (Vec::new(), Vec::new());
+        Self { model: Box::new(model), sizes, names, energy, quantities }
+    }
+}
+
+/// The problem of a scene with a system and its damping.
+fn problem(
+    Reading { settings, .. }: &Reading,
+    system: Arc<dyn System>,
+    damping: Arc<dyn Damping>,
+    y0: Vec<f64>,
+) -> Read<run_time::Problem> {
+    run_time::Problem::new(system, damping, y0, settings.until)
+        .map_err(|error| Wrong::new(&settings.initial, error))
+}
+
 /// Builds the model of a scene.
-pub fn build(reading: &Reading<'_>) -> Read<Built> {
+pub fn build(reading: &Reading) -> Read<Built> {
     let SystemTable { name, structure, energy, noises, drift, .. } = &reading.file.system;
     let is_plain = structure.is_none() && energy.is_none() && noises.is_none();
     match (name, drift) {
         (Some(name), _) => project::build(reading, name),
-        (None, Some(drift)) if is_plain => plain::build(reading, drift),
+        (None, Some(drift)) if is_plain => formulas::build_plain(reading, drift),
         _ => formulas::build(reading),
     }
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.
 pub fn with_names(text: &str, components: &[String]) -> String {
-    let mut named = String::new();
-    let mut rest = text;
-    while let Some(at) = rest.find('y') {
-        let (before, found) = rest.split_at(at);
-        let digits = found[1..].bytes().take_while(u8::is_ascii_digit).count();
-        let begins = !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
-        let name = found[1..=digits].parse().ok().filter(|n: &usize| begins && *n > 0);
-        named += before;
-        match name.and_then(|number| components.get(number - 1)) {
+    let mut parts = text.split('y');
+    let mut before = parts.next().unwrap_or_default();
+    let mut named = before.to_owned();
+    for part in parts {
+        let (digits, rest) = part.split_at(part.bytes().take_while(u8::is_ascii_digit).count());
+        let is_word = before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let number = digits.parse::<usize>().ok().filter(|_| !is_word);
+        match number.and_then(|number| components.get(number.checked_sub(1)?)) {
             Some(name) => named += name,
-            None => named += &found[..=digits],
+            None => named += &format!("y{digits}"),
         }
-        rest = &found[1 + digits..];
+        named += rest;
+        before = rest;
     }
-    named + rest
+    named
 }
 
 #[cfg(test)]

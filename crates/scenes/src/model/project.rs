@@ -6,26 +6,24 @@ use casimir::{
     expectation::Expect,
     formula::Names,
     mc::{self, Friction, bind_owned},
-    real::Row,
     schemes::{BuiltIn, Method, SchemeError, SexpH},
     systems::{
         Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError,
         run_time::{self, System},
     },
 };
-
 use kernels::Tuned;
+use keys::*;
 
 use super::{Built, Model, damping::damping, lattice, matrices};
-use crate::{At, Further, Quantity, Read, Reading, among, place, refuse};
 
 /// A function that builds the model of a system.
-type Build = fn(&Reading<'_>) -> Read<Built>;
+type Build = fn(&Reading) -> Read<Built>;
 
 /// Name, parameters with their defaults, description and model of every system.
 pub const PROJECT: [(&str, &str, &str, Build); 9] = [
     ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
-        built(reading, with_c(reading, Pendulum::new)?)
+        built(reading, "c", Pendulum::new(reading.number("c", 1.0)?))
     }),
     (
         "rigid-body",
@@ -34,14 +32,13 @@ pub const PROJECT: [(&str, &str, &str, Build); 9] = [
         rigid_body,
     ),
     ("lotka-volterra", "c = 1", "three species with a quadratic B, one noise", |reading| {
-        built(reading, with_c(reading, LotkaVolterra::<1, 1>::new)?)
+        built(reading, "c", LotkaVolterra::<1, 1>::new(reading.number("c", 1.0)?))
     }),
     ("maxwell-bloch", "", "laser–matter equations, one noise", |reading| {
-        reading.know(&[])?;
-        built(reading, MaxwellBloch)
+        built(reading, "", Ok(MaxwellBloch))
     }),
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise", |reading| {
-        built(reading, with_c(reading, Poisson3::new)?)
+        built(reading, "c", Poisson3::new(reading.number("c", 1.0)?))
     }),
     ("spin-lattice", lattice::PARAMETERS, "classical spins on a lattice", lattice::build),
     ("sphere-euler", matrices::FLUID, "Euler's equations on a sphere by matrices", matrices::fluid),
@@ -55,7 +52,7 @@ pub const PROJECT: [(&str, &str, &str, Build); 9] = [
 ];
 
 /// Builds the model of a system of the project.
-pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
+pub fn build(reading: &Reading, name: &Name) -> Read<Built> {
     let table = &reading.file.system;
     let formulas = [
         ("state", place(&table.state)),
@@ -68,75 +65,72 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
     ];
     let has_bath = ["spin-lattice", "su-spins"].contains(&name.as_str());
     if let Some(bath) = reading.file.bath.first().filter(|_| !has_bath) {
-        let words = "a bath is for formulas, and for `spin-lattice` and `su-spins`";
-        refuse!(&bath.temperature, "{words}");
+        refuse!(&bath.temperature, "a bath is for formulas, and for `spin-lattice` and `su-spins`");
     }
     if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         refuse!(place, "`{key}` is for formulas: remove it, or `name = \"{}\"`", **name);
     }
-    match PROJECT.iter().find(|(known, ..)| *known == **name) {
-        Some((.., build)) => build(reading),
-        None => {
-            let known = among(name, &PROJECT.map(|(known, ..)| known));
-            refuse!(name, "unknown system `{}`{known}", **name)
-        }
+    let Some((name, parameters, _, build)) = PROJECT.iter().find(|of| *of.0 == **name) else {
+        let known = among(name, &PROJECT.map(|(known, ..)| known));
+        refuse!(name, "unknown system `{}`{known}", **name)
+    };
+    if let ("spin-lattice", Some(at)) = (*name, reading.get("dipolar")) {
+        refuse!(
+            at,
+            "dipolar fields are not computed: each spin acts on all others, which takes a Fourier \
+             transform for each evaluation and leaves no flow of a bond"
+        );
     }
+    // Entries of the operators of a quantum system are formulas of any parameters.
+    if *name != "quantum" {
+        reading.know(parameters)?;
+    }
+    build(reading)
 }
 
-fn rigid_body(reading: &Reading<'_>) -> Read<Built> {
-    reading.know(&["inertia", "noise"])?;
+fn rigid_body(reading: &Reading) -> Read<Built> {
     let inertia = reading.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
-    let wrong = |error: SystemError| reading.error("inertia", error);
     let noise = reading.list("noise", &[1.0, 2.0, 3.0])?;
     if let Some(b) = noise.iter().find(|b| !(**b > 0.0 && b.is_finite())) {
         refuse!(reading.place("noise"), "`noise` must be positive and finite, got {b}");
     }
     match noise[..] {
-        [noise] => built(reading, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
-        [a, b, c] => built(reading, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?),
-        ref list => {
-            let number = list.len();
+        [noise] => built(reading, "inertia", RigidBody::one_noise(inertia, noise)),
+        [a, b, c] => built(reading, "inertia", RigidBody::three_noises(inertia, [a, b, c])),
+        _ => {
+            let number = noise.len();
             refuse!(reading.place("noise"), "`noise` has one or three numbers, got {number}");
         }
     }
 }
 
-/// The system with the size `c` of its noise.
-fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> Read<S> {
-    reading.know(&["c"])?;
-    new(reading.number("c", 1.0)?).map_err(|error| reading.error("c", error))
-}
-
-/// The model with the names y1, …, yD.
-fn built<S, const D: usize, const M: usize>(reading: &Reading<'_>, system: S) -> Read<Built>
+/// The model with the names y1, …, yD of a system, whose error is about a parameter.
+fn built<S, const D: usize, const M: usize>(
+    reading: &Reading,
+    parameter: &str,
+    system: Result<S, SystemError>,
+) -> Read<Built>
 where
     S: Tuned<D, M> + Copy + 'static,
 {
+    let system = reading.checked(parameter, system)?;
     let initial = &reading.settings.initial;
-    let y0: [f64; D] = initial[..].try_into().map_err(|_| {
+    let Ok(y0) = <[f64; D]>::try_from(&initial[..]) else {
         let components = initial.len();
-        let message = format!("the initial value must have {D} components, got {components}");
-        reading.initial_error(message)
-    })?;
-    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
-    let names = numbered(&components);
-    let (damping, friction) = damping(reading, &components, &[])?;
+        refuse!(initial, "the initial value must have {D} components, got {components}");
+    };
+    let names = numbered(D);
+    let (damping, friction) = damping(reading, names.variables(), &[])?;
     let problem = Problem::new(system, damping, y0, reading.settings.until)
-        .map_err(|error| reading.initial_error(error))?;
-    let energy = move |y: &[Row], values: &mut Row| {
+        .map_err(|error| Wrong::new(initial, error))?;
+    let energy = Quantity::smooth(move |y, values| {
         for (p, value) in values.iter_mut().enumerate() {
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);
         }
-    };
+    });
     let at_run_time = run_time::Compiled::new(system, problem.y0());
-    Ok(Built {
-        sizes: Vec::new(),
-        model: Box::new(Compiled { problem, friction, at_run_time }),
-        names,
-        components,
-        energy: Some(Further::Quantity(Quantity::Function(Arc::new(energy)))),
-        quantities: Vec::new(),
-    })
+    let model = Compiled { problem, friction, at_run_time };
+    Ok(Built::new(model, names, Some(Further::Quantity(energy))))
 }
 
 /// A problem whose schemes are compiled for it.
@@ -153,24 +147,24 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let (system, y0) = (self.problem.system(), self.problem.y0());
-        if scheme == BuiltIn::SexpH {
-            let scheme = SexpH::of(&self.at_run_time, Friction::inside(&self.friction));
-            return mc::bind_at_run_time(&self.at_run_time, Box::new(scheme));
+        match scheme {
+            BuiltIn::SexpH => {
+                let scheme = SexpH::of(&self.at_run_time, Friction::inside(&self.friction));
+                mc::bind_at_run_time(&self.at_run_time, Box::new(scheme))
+            }
+            BuiltIn::SplitH if !self.friction.is_empty() => {
+                let reason = "friction on components costs it its order here; write formulas";
+                Err(SchemeError::not_for(scheme.id(), system.name(), reason))
+            }
+            _ => {
+                let scheme = bind_owned(&self.problem, S::scheme(scheme, system, y0)?);
+                Ok(Friction::around(scheme, &self.friction))
+            }
         }
-        if scheme == BuiltIn::SplitH && !self.friction.is_empty() {
-            let reason = "friction on components costs it its order here; write formulas";
-            return Err(SchemeError::not_for(scheme.id(), system.name(), reason));
-        }
-        let scheme = S::scheme(scheme, system, y0)?;
-        Ok(Friction::around(bind_owned(&self.problem, scheme), &self.friction))
     }
 
     fn expect(&self) -> Option<Expect<'_>> {
         Some(Expect::compiled(&self.problem, S::scheme).with_friction(&self.friction))
-    }
-
-    fn friction(&self) -> &[Friction] {
-        &self.friction
     }
 
     fn system(&self) -> &dyn System {
@@ -178,7 +172,13 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
     }
 }
 
-/// The `components` as names, known to be valid.
-pub fn numbered(components: &[String]) -> Names {
-    Names::with_variables(components).expect("these are names")
+/// The names y1, …, yD of components.
+pub fn numbered(d: usize) -> Names {
+    valid((1..=d).map(|i| format!("y{i}")))
+}
+
+/// Names of components that are known to be valid.
+pub fn valid(components: impl IntoIterator<Item = impl AsRef<str>>) -> Names {
+    let components: Vec<_> = components.into_iter().collect();
+    Names::with_variables(&components).expect("these are names")
 }
