@@ -1,10 +1,7 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 
-use super::look::Look;
-use crate::{
-    escape,
-    label::{Label, SCRIPT_SIZE},
-};
+use super::*;
+use crate::{escape, label::SCRIPT_SIZE};
 
 /// A place on the page in CSS pixels, from the upper left corner.
 pub type Position = (f64, f64);
@@ -92,13 +89,13 @@ impl Canvas {
         )
     }
 
-    /// Clips a drawing to the box between two corners.
-    pub fn clipped(&mut self, from: Position, to: Position, draw: impl FnOnce(&mut Self)) {
+    /// Draws the part of a line that lies in the box between two corners.
+    pub fn clipped(&mut self, from: Position, to: Position, points: &[Position], stroke: Stroke) {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(grid);
         self.elements.push(format!(
             r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#
         ));
-        draw(self);
+        self.polyline(points, stroke);
         self.elements.push("</svg>".into());
     }
 
@@ -127,8 +124,8 @@ impl Canvas {
     /// half the text of outlines.
     pub fn boxes(&mut self, boxes: &[Position], size: Position, color: Color, opacity: f64) {
         let (width, height) = (grid(size.0), grid(size.1));
-        let path = boxes.iter().map(|(x, y)| format!("M{} {}h{width}", grid(*x), grid(*y)));
-        let path = path.collect::<String>();
+        let row = |(x, y): &Position| format!("M{} {}h{width}", grid(*x), grid(*y));
+        let path: String = boxes.iter().map(row).collect();
         let paint = format!(r#"stroke="{color}" stroke-width="{height}" opacity="{opacity:.3}""#);
         self.elements.push(format!(
             r#"<path shape-rendering="crispEdges" stroke-linecap="butt" {paint} d="{path}"/>"#
@@ -136,7 +133,7 @@ impl Canvas {
     }
 
     /// Draws a marker; a hollow one shows the paper inside.
-    pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
+    pub fn marker(&mut self, at: Position, look: Look, radius: f64) {
         let shape = if look.marker.is_empty() {
             let [x, y, r] = [at.0, at.1, radius].map(grid);
             format!(r#"circle cx="{x}" cy="{y}" r="{r}""#)
@@ -146,7 +143,7 @@ impl Canvas {
             format!(r#"polygon points="{}""#, list(&corners))
         };
         let color = look.color;
-        self.elements.push(match hollow {
+        self.elements.push(match look.hollow() {
             true => format!(r##"<{shape} fill="#FFFFFF" stroke="{color}" stroke-width="22"/>"##),
             false => format!(r#"<{shape} fill="{color}"/>"#),
         });

@@ -4,15 +4,8 @@
 use real::elementary::{exp, ln, powf};
 use std::collections::{HashMap, HashSet};
 
-use super::{
-    axis::{Axis, Range},
-    canvas::{Align, Canvas, GREY, INK, Stroke},
-    frame::{BELOW, Frame, RIGHT},
-    legend::{Sample, legend},
-    look::{self, CIRCLE, Layer, Look},
-    ticks::Ticks,
-};
-use crate::{label::Label, series::QUANTILE};
+use super::*;
+use crate::series::QUANTILE;
 
 /// A measured point with its 95 % interval, which may be empty.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +135,7 @@ impl Figure {
         let mut seen = HashSet::new();
         names.retain(|name| seen.insert(*name));
         let signed = self.signed;
-        let looks = if signed { look::of_quantities(&names) } else { look::of_schemes(&names) };
+        let looks = if signed { of_quantities(names.len()) } else { of_schemes(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
         let entry = |name: &&str| {
             let label = if signed { Label::new(name) } else { Label::words(name) };
@@ -240,7 +233,9 @@ impl Plot {
                         }
                     }
                 }
-                canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
+                let negative = signed && point.y < 0.0;
+                let layer = if negative { Layer::Under } else { look.layer };
+                canvas.marker(at, Look { layer, ..look }, radius);
             }
         }
         if self.points().next().is_none() {

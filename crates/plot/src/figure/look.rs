@@ -6,7 +6,7 @@
 
 use Layer::{Over, Plain, Under};
 
-use super::canvas::{Color, Position, Stroke};
+use super::*;
 
 /// Corners of a marker of radius one; empty for a circle. The areas are about that of the circle,
 /// so that no curve looks more important than another.
@@ -120,7 +120,7 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     names.iter().filter_map(|name| Some(known(name).or_else(|| unknown.next())?.1)).collect()
 }
 
-/// Looks of the quantities in `names`, repeated where there are more names than looks.
-pub fn of_quantities(names: &[&str]) -> Vec<Look> {
-    QUANTITIES.into_iter().cycle().take(names.len()).collect()
+/// Looks of quantities, repeated where there are more quantities than looks.
+pub fn of_quantities(number: usize) -> Vec<Look> {
+    QUANTITIES.into_iter().cycle().take(number).collect()
 }

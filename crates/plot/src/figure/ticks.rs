@@ -1,7 +1,6 @@
 //! Marks of an axis and their labels.
 
-use super::axis::Range;
-use crate::label::Label;
+use super::*;
 use real::elementary::{log10, powi};
 
 /// The marks of an axis.
