@@ -1,11 +1,9 @@
 //! Measurements about a statement, as data: the verdict and the sentence follow from them.
 
 use analysis::{Limit, Order};
-use real::elementary;
 use serde::Serialize;
-use stats::Rate;
 
-use crate::verdict::{Verdict, order_verdict};
+use crate::{verdict::order_verdict, *};
 
 /// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
 /// quantile of a false alarm once in 1e5 runs.
@@ -138,9 +136,8 @@ impl Evidence {
     /// Creates evidence for `order` from a measured order; a wrong limit refutes it.
     pub fn of_order(measured: Order, order: f64) -> Self {
         let wrong_limit = match measured.limit {
-            Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
-                Some(wrong)
-            }
+            Limit::Differs { distance } => Some(distance),
+            Limit::Inconsistent { defect } => Some(defect),
             _ => None,
         };
         Self::Order { order, one_sided: false, rate: measured.rate, wrong_limit }
@@ -169,44 +166,44 @@ impl Evidence {
     /// standard errors and the bias. Bounds that hold on some paths while others failed are
     /// undecided.
     pub fn verdict(&self) -> Verdict {
+        // Whether the statement holds, where the measurement can decide.
         let holds = match self {
-            Self::Order { wrong_limit: Some(_), .. } => false,
+            Self::Order { wrong_limit: Some(_), .. } => Some(false),
             Self::Order { order, one_sided, rate, .. } => {
                 return order_verdict(rate.as_ref(), *order, *one_sided);
             }
-            Self::Defect { largest, tolerance, obeys: true, .. } => largest <= tolerance,
-            Self::Defect { largest, tolerance, .. } => largest > tolerance,
-            // False for NaN.
-            Self::Approach { order, half_width, least, .. }
-                if (order - least).abs() > *half_width =>
-            {
-                order > least
+            Self::Defect { largest, tolerance, obeys: true, .. } => Some(largest <= tolerance),
+            Self::Defect { largest, tolerance, .. } => Some(largest > tolerance),
+            // Not decided for NaN.
+            Self::Approach { order, half_width, least, .. } => {
+                ((order - least).abs() > *half_width).then_some(order > least)
             }
-            Self::Approach { .. } | Self::Undecided { .. } => return Verdict::Undecided,
             Self::Deviation { value, standard_error, bias, expected, .. } => {
-                (value - expected).abs() <= DEVIATIONS * standard_error + bias
+                Some((value - expected).abs() <= DEVIATIONS * standard_error + bias)
             }
             Self::Bounds { quantities, failed } => {
                 let hold = quantities.iter().all(Bounded::holds);
-                if hold && *failed > 0 {
-                    return Verdict::Undecided;
-                }
-                hold
+                (!hold || *failed == 0).then_some(hold)
             }
+            Self::Undecided { .. } => None,
         };
-        if holds { Verdict::Holds } else { Verdict::Refuted }
+        match holds {
+            Some(true) => Verdict::Holds,
+            Some(false) => Verdict::Refuted,
+            None => Verdict::Undecided,
+        }
     }
 
     /// The measurement as a sentence: the only place that words one.
     pub fn sentence(&self) -> String {
-        let warned = |warnings: &[String]| -> String {
-            warnings.iter().map(|warning| format!("; warning: {warning}")).collect()
+        let warned = |warnings: &[String]| {
+            warnings.iter().map(|warning| format!("; warning: {warning}")).collect::<String>()
         };
         match self {
             Self::Order { wrong_limit: Some(distance), rate, .. } => {
-                let slope = rate.as_ref().map_or(String::new(), |rate| {
-                    format!("; its differences fall with {:.2}", rate.estimate)
-                });
+                let slope =
+                    |rate: &Rate| format!("; its differences fall with {:.2}", rate.estimate);
+                let slope = rate.as_ref().map(slope).unwrap_or_default();
                 format!("the scheme converges to something else, {distance:.1e} away{slope}")
             }
             Self::Order { rate: None, .. } => {

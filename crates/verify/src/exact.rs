@@ -9,10 +9,13 @@
 //! On one finest step, ∫g dW = ḡΔW + √v ξ with the mean ḡ of g there, v = ∫(g − ḡ)² and a standard
 //! normal ξ independent of ΔW. Hence S along a path has no error of time-stepping.
 
+use std::array::from_fn;
+
 use dgrad::Rule;
 use mc::TimeChange;
-use real::{Row, WIDTH, elementary};
-use systems::{Damping, PoissonSystem, Problem, paper::valid, vector_field};
+use systems::vector_field;
+
+use crate::*;
 
 /// The random time S of the exact solution, along a path or in law.
 pub struct RandomTime<'a, G> {
@@ -44,10 +47,10 @@ impl<'a, G: Damping> RandomTime<'a, G> {
             elementary::exp(-(self.degree - 1.0) * gamma)
         };
         let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
-        let values: Vec<f64> = nodes.iter().map(|&eta| weight(eta)).collect();
-        let mean: f64 = values.iter().zip(weights).map(|(g, w)| g * w).sum();
-        let square = |(g, w): (&f64, &f64)| (g - mean) * (g - mean) * w;
-        (mean, values.iter().zip(weights).map(square).sum::<f64>() * self.tau)
+        let values: [f64; NODES] = from_fn(|i| weight(nodes[i]));
+        let average = |values: [f64; NODES]| values.iter().zip(weights).map(|(g, w)| g * w).sum();
+        let mean: f64 = average(values);
+        (mean, average(values.map(|g| (g - mean) * (g - mean))) * self.tau)
     }
 
     /// Mean and variance of the Gaussian variable S over `steps` finest steps.
@@ -122,13 +125,12 @@ fn modified_midpoint<S: PoissonSystem<D, 1>, const D: usize>(
 ) -> [f64; D] {
     let step = h / f64::from(n);
     let change = |y: [f64; D], length: f64| vector_field(system, y, length, [0.0]);
-    let plus = |a: [f64; D], b: [f64; D]| std::array::from_fn::<f64, D, _>(|i| a[i] + b[i]);
+    let plus = |a: [f64; D], b: [f64; D]| from_fn::<f64, D, _>(|i| a[i] + b[i]);
     let (mut before, mut now) = (y, plus(y, change(y, step)));
     for _ in 1..n {
         (before, now) = (now, plus(before, change(now, 2.0 * step)));
     }
-    let end = plus(before, change(now, step));
-    std::array::from_fn(|i| 0.5 * (now[i] + end[i]))
+    plus(now, plus(before, change(now, step))).map(|sum| 0.5 * sum)
 }
 
 /// Expectation E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one

@@ -1,15 +1,8 @@
 //! Experiments: their conditions and their findings.
 
-use mc::{Problem, Setup, Simulation};
-use noise::{StreamKey, Truncation};
-use schemes::BuiltIn;
-use systems::paper::valid;
+use mc::{Problem, Simulation};
 
-use crate::{
-    Compiled, Curve,
-    results::{Claim, Kind, Panel},
-    streams,
-};
+use crate::*;
 
 /// Conditions of an experiment: seed, size and number.
 pub struct Conditions<'a> {
@@ -70,7 +63,7 @@ pub fn followed(
     let table = valid(Simulation::new(setup.clone(), truncation).path(steps, key, path));
     let components = &table.columns[1..=setup.problem.y0.len()];
     let state = |n: usize| components.iter().map(|component| component.values[n]).collect();
-    table.times().iter().enumerate().map(|(n, &t)| (t, state(n))).collect()
+    (0..).zip(table.times()).map(|(n, t)| (*t, state(n))).collect()
 }
 
 /// Distance |y − x|.
@@ -92,9 +85,10 @@ pub struct Findings {
     pub claims: Vec<Claim>,
 }
 
-impl From<Vec<Claim>> for Findings {
-    fn from(claims: Vec<Claim>) -> Self {
-        Self { claims, panels: Vec::new() }
+impl Findings {
+    /// Claims without a figure.
+    pub fn of(claims: impl IntoIterator<Item = Claim>) -> Self {
+        Self { claims: claims.into_iter().collect(), panels: Vec::new() }
     }
 }
 

@@ -4,14 +4,9 @@ mod invariant;
 pub mod strong;
 pub mod weak;
 
-use mc::Observable;
 use real::elementary::{cos, sin};
-use systems::paper;
 
-use crate::{
-    Experiment,
-    experiment::{BODY_1, BODY_3, BODY_ENERGY, PENDULUM, POISSON, VOLTERRA},
-};
+use crate::*;
 use invariant::follow;
 use strong::compare;
 use weak::WEAK_IDS;

@@ -33,23 +33,11 @@
 //! Monte Carlo, and the finest errors would drown.) The paper's 500 000 paths are kept at the
 //! coarsest difference; with seven differences the finest gets an eighth of them.
 
-use analysis::FinalMoments;
-use mc::{Ladder, Observable, Problem, Run, View};
-use noise::StreamKey;
-use real::Row;
-use stats::{CrossMoments, Expansion, weak_errors};
-use systems::paper::{rigid_body_three_noises, valid};
+use mc::Problem;
+use stats::weak_errors;
 
-use super::{
-    strong::{describe_failures, power_of_half},
-    weak_observables,
-};
-use crate::{
-    Compiled, Conditions, Findings, TRUNCATED,
-    experiment::{BODY_3, panel},
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-    truncation,
-};
+use super::strong::describe_failures;
+use crate::*;
 
 /// Identifiers of the weak panels, which one set of runs makes.
 pub const WEAK_IDS: &[&str] =

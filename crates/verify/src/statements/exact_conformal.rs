@@ -9,33 +9,17 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
-use noise::WienerPath;
-use systems::{
-    Damping, PoissonSystem, Problem,
-    paper::{
-        lotka_volterra_2_2, maxwell_bloch, poisson3_casimir, rigid_body_energy,
-        rigid_body_three_noises,
-    },
-};
-
-use crate::{
-    Conditions, Findings,
-    conformal_law::along,
-    experiment::Path,
-    results::{Bounded, Claim, Evidence},
-    runge_kutta::runge_kutta,
-};
+use crate::*;
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    [
+    let claims = [
         law(conditions, 0, &rigid_body_three_noises(1.0)),
-        law(conditions, 1, &rigid_body_energy(1.0)),
-        law(conditions, 2, &lotka_volterra_2_2(1.0)),
-        law(conditions, 3, &maxwell_bloch(1.0)),
-        law(conditions, 4, &poisson3_casimir(1.0)),
-    ]
-    .concat()
-    .into()
+        law(conditions, 1, &paper::rigid_body_energy(1.0)),
+        law(conditions, 2, &paper::lotka_volterra_2_2(1.0)),
+        law(conditions, 3, &paper::maxwell_bloch(1.0)),
+        law(conditions, 4, &paper::poisson3_casimir(1.0)),
+    ];
+    Findings::of(claims.concat())
 }
 
 /// Linear pieces of the noise on [0, 1].
@@ -73,8 +57,7 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     let claim = |(index, invariant): (usize, &systems::Invariant)| {
         let variation = |path: &Path| {
             let values = along(&erased, index, path);
-            let defects = values.iter().map(|(_, value, exact)| value / exact - 1.0);
-            let defects: Vec<f64> = defects.collect();
+            let defects: Vec<f64> = values.map(|(_, value, exact)| value / exact - 1.0).collect();
             defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()
         };
         let [before, after] = paths.each_ref().map(variation);

@@ -7,25 +7,15 @@
 //! random pairs of points with increments up to the truncation bound are mapped, and the iteration
 //! is started from both.
 
-use analysis::worse;
-use noise::WienerPath;
 use real::elementary::ln;
-use systems::{
-    PoissonSystem,
-    paper::{pendulum, poisson3_strong, valid},
-};
 
-use crate::{
-    Conditions, Findings, TRUNCATION_ORDER,
-    experiment::distance,
-    results::{Bounded, Claim, Evidence},
-    truncation,
-};
+use crate::*;
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    let of_pendulum = contraction(conditions, 0, pendulum().system(), 1.0, 1.0);
-    let poisson = poisson3_strong();
-    vec![of_pendulum, contraction(conditions, 1, poisson.system(), 3f64.sqrt(), 1.0)].into()
+    Findings::of([
+        contraction(conditions, 0, paper::pendulum().system(), 1.0, 1.0),
+        contraction(conditions, 1, paper::poisson3_strong().system(), 3f64.sqrt(), 1.0),
+    ])
 }
 
 /// Spread of the random points: several periods of the sines.

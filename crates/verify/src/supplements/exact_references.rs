@@ -1,25 +1,12 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
-use analysis::{Exact, FinalMoments, StepSizes, weak_order};
-use kernels::Tuned;
-use mc::{Ladder, View};
-use real::Row;
-use systems::{
-    Damping, Problem,
-    paper::{self, valid},
-};
+use analysis::{Exact, StepSizes, weak_order};
 
 use crate::{
-    Compiled, Conditions, Findings,
     exact::{RandomTime, expectation, solution},
-    experiment::{BODY_ENERGY, VOLTERRA, of_paper},
-    panels::{
-        phi,
-        strong::{StrongPanel, finest_steps},
-    },
-    results::{Claim, Evidence},
-    truncation,
+    panels::strong::finest_steps,
+    *,
 };
 
 pub fn lotka_volterra(conditions: &Conditions) -> Findings {
@@ -62,7 +49,7 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let time = time(steps);
     let exact = Exact::new(&time, solution);
-    for observable in [phi("y2", |y| y[1]), phi("cos y3", |y| real::elementary::cos(y[2]))] {
+    for observable in [phi("y2", |y| y[1]), phi("cos y3", |y| elementary::cos(y[2]))] {
         let name = observable.name;
         let order = valid(weak_order(&compiled.sexp(), &observable, &sizes, Some(&exact)));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");

@@ -8,7 +8,7 @@ mod weak_two;
 
 pub use expectations::KOLMOGOROV;
 
-use crate::Experiment;
+use crate::*;
 
 /// Supplements: experiments that make figures that are not in the paper.
 pub const SUPPLEMENTS: &[Experiment] = &[

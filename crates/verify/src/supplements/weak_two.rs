@@ -7,22 +7,13 @@
 //! of the one order, and of the other order on swapped increments: its variance falls like τ². Each
 //! difference has scrambles of its own, whose means are the samples.
 
-use mc::{NextNoise, Observable, Problem, Run, bind_owned};
-use noise::{QuasiWiener, StreamKey};
-use real::WIDTH;
+use mc::{NextNoise, Problem, bind_owned};
+use noise::QuasiWiener;
 use schemes::{Nv, Sweep};
-use stats::{CrossMoments, Expansion};
-use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings,
-    experiment::{BODY_3, panel},
-    panels::{
-        phi,
-        strong::power_of_half,
-        weak::{difference_ladder, moments_of, series},
-    },
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel},
+    panels::weak::{difference_ladder, moments_of, series},
+    *,
 };
 
 /// Number of scrambles: many, so that their mean is nearly normal.
