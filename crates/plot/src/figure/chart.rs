@@ -82,16 +82,15 @@ impl Measured {
 impl Curve {
     /// Creates a curve from the points that can be drawn: x positive, x and y finite.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
-        let drawn = |p: &Measured| p.x > 0.0 && p.x.is_finite() && p.y.is_finite();
-        let points = points.into_iter().filter(drawn).collect();
-        Self { name: name.into(), note: String::new(), points }
+        let points = points.into_iter().filter(|p| p.x > 0.0 && p.x.is_finite() && p.y.is_finite());
+        Self { name: name.into(), note: String::new(), points: points.collect() }
     }
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
     pub fn trend(&self) -> Vec<(f64, f64)> {
-        let clear = |point: &&Measured| point.ends().0 > 0.0;
-        let all = !self.points.iter().any(|point| clear(&point));
-        let shown = self.points.iter().filter(|p| if all { p.y.abs() > 0.0 } else { clear(p) });
+        let clear = |point: &Measured| point.ends().0 > 0.0;
+        let any = self.points.iter().any(clear);
+        let shown = self.points.iter().filter(|p| if any { clear(p) } else { p.y.abs() > 0.0 });
         shown.map(|point| (point.x, point.y.abs())).collect()
     }
 }
@@ -137,16 +136,16 @@ impl Figure {
         let signed = self.signed;
         let looks = if signed { of_quantities(names.len()) } else { of_schemes(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
-        let entry = |name: &&str| {
+        let entries = names.iter().map(|name| {
             let label = if signed { Label::new(name) } else { Label::words(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
             let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
             (Sample::Curve(looks[name]), Label { tail, ..label })
-        };
+        });
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
             (Sample::Point(Look { color: INK, marker: CIRCLE, layer }), Label::words(words))
         });
-        let entries = names.iter().map(entry).chain(signs.into_iter().filter(|_| signed));
+        let entries = entries.chain(signs.into_iter().filter(|_| signed));
         let width = self.plots.len().max(1) as f64 * (WIDTH + BETWEEN) - BETWEEN;
         let mut canvas = Canvas::default();
         let top = legend(&mut canvas, entries, LEFT, width);

@@ -25,8 +25,8 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
         Point::Value { t, value, exact } if t.is_finite() => Some([t, value, exact]),
         _ => None,
     };
-    let points = |series: &&Series| series.points.iter().filter_map(point).collect::<Vec<_>>();
-    let curves: Vec<_> = drawn.iter().map(points).collect();
+    let curves = drawn.iter().map(|series| series.points.iter().filter_map(point).collect());
+    let curves: Vec<Vec<_>> = curves.collect();
     let all = || curves.iter().flatten();
     let defect = |[_, value, law]: [f64; 3]| relative_defect(value, law);
 

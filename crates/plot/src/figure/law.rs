@@ -38,12 +38,12 @@ impl Law {
             return vec![("95 % interval".into(), [lo, hi])];
         }
         let lower = self.quantiles.iter().filter(|(level, _)| *level < 0.5);
-        let band = lower.filter_map(|(level, low)| {
+        let bands = lower.filter_map(|(level, low)| {
             let opposite = |(other, _): &&(f64, Vec<f64>)| (other + level - 1.0).abs() < 1e-9;
             let (other, high) = self.quantiles.iter().find(opposite)?;
             Some((format!("{}–{} %", percent(*level), percent(*other)), [&low[..], high]))
         });
-        band.collect()
+        bands.collect()
     }
 
     fn median(&self) -> Option<&[f64]> {
@@ -82,15 +82,14 @@ impl Law {
 /// intervals. Bands and lines are interrupted where a number is not known.
 pub fn bands<'a>(title: &str, x_title: &str, y_title: impl Into<Title<'a>>, law: &Law) -> String {
     let y_title = y_title.into();
-    let area = |(n, (name, _)): (usize, (String, _))| {
-        let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n as i32 + 1);
-        (Sample::Area(COLOR, opacity), Label::words(&name))
-    };
+    let mut entries = Vec::new();
+    for (n, (name, _)) in (1..).zip(law.bands()) {
+        let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n);
+        entries.push((Sample::Area(COLOR, opacity), Label::words(&name)));
+    }
+    entries.extend(law.median().map(|_| (Sample::Line(MEDIAN), Label::words("median"))));
     let mean = if law.quantiles.is_empty() { "estimate" } else { "mean" };
-    let lines = [law.median().map(|_| (MEDIAN, "median")), Some((MEAN, mean))];
-    let line = |(stroke, name)| (Sample::Line(stroke), Label::words(name));
-    let entries = law.bands().into_iter().enumerate().map(area);
-    let entries = entries.chain(lines.into_iter().flatten().map(line));
+    entries.push((Sample::Line(MEAN), Label::words(mean)));
     let x = (Axis::of(law.x.iter().copied(), 0.0), Some(x_title));
     let y = (y_title.axis(law.shown(), 0.06), y_title.words);
     let mut plain = Plain::new(entries, 190.0, x, y);
@@ -180,13 +179,13 @@ impl Bins<'_> {
         while (last / joined - first / joined) >= MAX_BARS {
             joined *= 2;
         }
-        let bar = |n: usize| {
-            let bins = n * joined..(n + 1) * joined;
-            let [from, to] = [bins.start, bins.end].map(|k| lo + k as f64 * width);
-            let count: u64 = counts[bins.start..bins.end.min(counts.len())].iter().sum();
+        let bars = (first / joined..=last / joined).map(|n| {
+            let [first, end] = [n * joined, (n + 1) * joined];
+            let [from, to] = [first, end].map(|k| lo + k as f64 * width);
+            let count: u64 = counts[first..end.min(counts.len())].iter().sum();
             [from, to, count as f64 / (all as f64 * (to - from))]
-        };
-        (first / joined..=last / joined).map(bar).collect()
+        });
+        bars.collect()
     }
 }
 
@@ -200,10 +199,10 @@ pub fn histogram(
     mean: Option<f64>,
 ) -> String {
     let lines = [("median", median, MEDIAN), ("mean", mean, MEAN)];
-    let entries = lines.iter().map(|(name, _, stroke)| (Sample::Line(*stroke), Label::words(name)));
+    let entries = lines.map(|(name, _, stroke)| (Sample::Line(stroke), Label::words(name)));
     let bars = bins.bars();
-    let values = Axis::of(bars.iter().flat_map(|[lo, hi, _]| [*lo, *hi]), 0.04);
-    let highest = Range::of(bars.iter().map(|[.., density]| *density), UNIT).hi;
+    let values = Axis::of(bars.iter().flat_map(|bar| [bar[0], bar[1]]), 0.04);
+    let highest = Range::of(bars.iter().map(|bar| bar[2]), UNIT).hi;
     let hi = 1.06 * if highest > 0.0 { highest } else { 1.0 };
     let densities = Axis::linear(Range { lo: 0.0, hi });
     let outside = bins.all.saturating_sub(bins.counts.iter().sum());
@@ -215,12 +214,10 @@ pub fn histogram(
     if let (Some(first), Some(last)) = (bars.first(), bars.last()) {
         let tops = bars.iter().flat_map(|&[lo, hi, density]| [(lo, density), (hi, density)]);
         let outline = [(first[0], 0.0)].into_iter().chain(tops).chain([(last[1], 0.0)]);
-        let corners = plain.frame.places(outline.clone());
-        plain.canvas.area(&corners, COLOR, 0.25);
+        plain.canvas.area(&plain.frame.places(outline.clone()), COLOR, 0.25);
         plain.line(outline, Stroke::new(COLOR, 0.9));
         for (_, value, stroke) in lines {
-            let ends = value.map(|x| [(x, 0.0), (x, hi)]);
-            plain.line(ends.into_iter().flatten(), stroke);
+            plain.line(value.into_iter().flat_map(|x| [(x, 0.0), (x, hi)]), stroke);
         }
     }
     plain.page(title, bars.is_empty())

@@ -116,8 +116,8 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     let spare = &SCHEMES[3..];
     let free = spare.iter().filter(|(id, _)| !names.contains(id));
     let mut unknown = free.chain(spare.iter().cycle());
-    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name);
-    names.iter().filter_map(|name| Some(known(name).or_else(|| unknown.next())?.1)).collect()
+    let look = |name| SCHEMES.iter().find(|(id, _)| id == name).or_else(|| unknown.next());
+    names.iter().filter_map(look).map(|(_, look)| *look).collect()
 }
 
 /// Looks of quantities, repeated where there are more quantities than looks.

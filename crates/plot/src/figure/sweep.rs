@@ -13,8 +13,8 @@ pub fn ends(&(_, value, interval): &Sampled) -> [f64; 2] {
 impl Plain {
     /// Draws a value with its interval.
     pub fn sampled(&mut self, &(x, value, interval): &Sampled, look: Look) {
-        let bar = interval.map(|(lo, hi)| [(x, lo), (x, hi)]);
-        self.line(bar.into_iter().flatten(), Stroke::new(look.color, 1.3));
+        let bar = interval.into_iter().flat_map(|(lo, hi)| [(x, lo), (x, hi)]);
+        self.line(bar, Stroke::new(look.color, 1.3));
         self.canvas.marker(self.frame.place(x, value), look, 2.4);
     }
 }

@@ -18,11 +18,10 @@ impl Ticks {
     /// Powers of ten, at most `most` of them labelled; multiples in between where there is room.
     pub fn decades(range: Range, most: usize) -> Self {
         let mut ticks = Self::powers(10, range, most);
-        let decades = log10(range.hi / range.lo);
-        if decades <= most.min(6) as f64 {
+        if log10(range.hi / range.lo) <= most.min(6) as f64 {
             let [first, last] = [range.lo, range.hi].map(|value| log10(value).floor() as i32);
-            let multiples = |k| (2..10).map(move |m| f64::from(m) * powi(10f64, k));
-            let minor = (first..=last).flat_map(multiples);
+            let minor =
+                (first..=last).flat_map(|k| (2..10).map(move |m| f64::from(m) * powi(10f64, k)));
             ticks.minor.extend(minor.filter(|value| (range.lo..=range.hi).contains(value)));
         }
         ticks
@@ -79,15 +78,14 @@ impl Ticks {
         };
         let decimals = usize::try_from(power - magnitude).unwrap_or(0);
         let unit = powi(10f64, magnitude - power);
-        let major = (0..=(last - first) as usize)
-            .map(|i| {
-                let integer = f64::from(mantissa) * (first + i as f64);
-                let decimals = if integer == 0.0 { 0 } else { decimals };
-                let text = format!("{:.decimals$}", integer * unit);
-                (integer * powi(10f64, magnitude), Label::new(&text))
-            })
-            .collect();
-        let factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
-        Self { major, minor: Vec::new(), factor }
+        let mut ticks = Self::default();
+        for i in 0..=(last - first) as usize {
+            let integer = f64::from(mantissa) * (first + i as f64);
+            let decimals = if integer == 0.0 { 0 } else { decimals };
+            let label = Label::new(&format!("{:.decimals$}", integer * unit));
+            ticks.major.push((integer * powi(10f64, magnitude), label));
+        }
+        ticks.factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
+        ticks
     }
 }
