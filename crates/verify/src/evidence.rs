@@ -156,8 +156,8 @@ impl Evidence {
     }
 
     /// Creates evidence from extremes of paths none of which failed.
-    pub fn bounds(quantities: Vec<Bounded>) -> Self {
-        Self::Bounds { quantities, failed: 0 }
+    pub fn bounds(quantities: impl IntoIterator<Item = Bounded>) -> Self {
+        Self::Bounds { quantities: quantities.into_iter().collect(), failed: 0 }
     }
 
     /// Verdict that follows from the measurement. A NaN refutes, except where a path failed.
@@ -196,8 +196,8 @@ impl Evidence {
 
     /// The measurement as a sentence: the only place that words one.
     pub fn sentence(&self) -> String {
-        let warned = |warnings: &[String]| {
-            warnings.iter().map(|warning| format!("; warning: {warning}")).collect::<String>()
+        let warned = |warnings: &[String]| -> String {
+            warnings.iter().map(|warning| format!("; warning: {warning}")).collect()
         };
         match self {
             Self::Order { wrong_limit: Some(distance), rate, .. } => {
@@ -213,9 +213,11 @@ impl Evidence {
             }
             Self::Order { rate: Some(rate), .. } => {
                 let Rate { estimate, lo, hi, confidence, method, warning, .. } = rate;
-                let (percent, warning) = (100.0 * confidence, warned(warning.as_slice()));
-                format!("order {estimate:.3}, {percent:.0} % interval [{lo:.3}, {hi:.3}]; {method}")
-                    + &warning
+                format!(
+                    "order {estimate:.3}, {:.0} % interval [{lo:.3}, {hi:.3}]; {method}{}",
+                    100.0 * confidence,
+                    warned(warning.as_slice())
+                )
             }
             Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
                 let path = if *paths == 1 { "path" } else { "paths" };
@@ -252,29 +254,26 @@ impl Evidence {
                 // Two more digits than the standard error has zeros.
                 let digits =
                     (2.0 - elementary::log10(*standard_error).floor()).clamp(2.0, 15.0) as usize;
-                let deviations = (value - expected) / standard_error;
-                let bias = match *bias > 0.0 {
-                    true => format!(", bias at most {bias:.1e}"),
-                    false => String::new(),
-                };
-                let cost = path_steps.map_or(String::new(), |n| format!("; {n} path-steps"));
+                let bias = (*bias > 0.0).then(|| format!(", bias at most {bias:.1e}"));
+                let cost = path_steps.map(|n| format!("; {n} path-steps"));
                 format!(
-                    "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error{bias}) \
-                     against {expected:.digits$}: {deviations:+.1} standard errors{cost}{}",
+                    "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error{}) \
+                     against {expected:.digits$}: {:+.1} standard errors{}{}",
+                    bias.unwrap_or_default(),
+                    (value - expected) / standard_error,
+                    cost.unwrap_or_default(),
                     warned(warnings)
                 )
             }
             Self::Bounds { quantities, failed } => {
-                let bounded = |bounded: &Bounded| {
-                    let limits = [("least", bounded.at_least), ("most", bounded.at_most)];
-                    let limits = limits.map(|(word, bound)| {
+                let bounded = |Bounded { quantity, value, at_least, at_most }: &Bounded| {
+                    let limits = [("least", at_least), ("most", at_most)].map(|(word, bound)| {
                         bound.map_or(String::new(), |x| format!(", at {word} {}", short(x)))
                     });
-                    format!("{}: {}{}", bounded.quantity, short(bounded.value), limits.concat())
+                    format!("{quantity}: {}{}", short(*value), limits.concat())
                 };
                 let failed = (*failed > 0).then(|| format!("{failed} paths failed"));
-                let words = quantities.iter().map(bounded).chain(failed);
-                words.collect::<Vec<_>>().join("; ")
+                quantities.iter().map(bounded).chain(failed).collect::<Vec<_>>().join("; ")
             }
             Self::Undecided { reason } => reason.clone(),
         }

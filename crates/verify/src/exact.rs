@@ -9,7 +9,7 @@
 //! On one finest step, ∫g dW = ḡΔW + √v ξ with the mean ḡ of g there, v = ∫(g − ḡ)² and a standard
 //! normal ξ independent of ΔW. Hence S along a path has no error of time-stepping.
 
-use std::array::from_fn;
+use std::{array::from_fn, f64::consts::PI};
 
 use dgrad::Rule;
 use mc::TimeChange;
@@ -91,29 +91,20 @@ const COLUMNS: [u32; 5] = [2, 4, 6, 8, 10];
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, mut y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0);
     for _ in 0..steps as u32 {
-        y = extrapolated(system, y, s / steps);
-    }
-    y
-}
-
-/// Takes one extrapolated step of length h. The error of each column is a series in the square of
-/// its step.
-fn extrapolated<S: PoissonSystem<D, 1>, const D: usize>(
-    system: &S,
-    y: [f64; D],
-    h: f64,
-) -> [f64; D] {
-    let mut columns = COLUMNS.map(|n| modified_midpoint(system, y, h, n));
-    for k in 1..COLUMNS.len() {
-        for j in (k..COLUMNS.len()).rev() {
-            let ratio = f64::from(COLUMNS[j]) / f64::from(COLUMNS[j - k]);
-            let weight = 1.0 / (ratio * ratio - 1.0);
-            for i in 0..D {
-                columns[j][i] += (columns[j][i] - columns[j - 1][i]) * weight;
+        // The error of each column is a series in the square of its step.
+        let mut columns = COLUMNS.map(|n| modified_midpoint(system, y, s / steps, n));
+        for k in 1..COLUMNS.len() {
+            for j in (k..COLUMNS.len()).rev() {
+                let ratio = f64::from(COLUMNS[j]) / f64::from(COLUMNS[j - k]);
+                let weight = 1.0 / (ratio * ratio - 1.0);
+                for i in 0..D {
+                    columns[j][i] += (columns[j][i] - columns[j - 1][i]) * weight;
+                }
             }
         }
+        y = columns[COLUMNS.len() - 1];
     }
-    columns[COLUMNS.len() - 1]
+    y
 }
 
 /// Takes n steps h/n of the midpoint rule, n even, with Gragg's smoothing at the end.
@@ -144,8 +135,10 @@ pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     let (mean, variance) = time.law(steps);
     let deviation = variance.sqrt();
     let rule = valid(Rule::new(16));
-    let density = |x: f64| elementary::exp(-0.5 * x * x) / (2.0 * std::f64::consts::PI).sqrt();
-    let integrand = |x: f64| density(x) * phi(solution(problem, mean + deviation * x));
+    let integrand = |x: f64| {
+        let density = elementary::exp(-0.5 * x * x) / (2.0 * PI).sqrt();
+        density * phi(solution(problem, mean + deviation * x))
+    };
     (-9..9).map(|piece| rule.integrate(f64::from(piece), f64::from(piece + 1), integrand)).sum()
 }
 

@@ -101,7 +101,6 @@ pub type Experiment = (&'static [&'static str], fn(&Conditions<'_>) -> Findings)
 pub type Words = [&'static str; 3];
 
 /// The paper's systems and their parameters in words.
-pub const PENDULUM: &str = "pendulum, c = 1";
 pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
 pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
 pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
@@ -113,8 +112,8 @@ pub const TRUNCATED: &str = "increments truncated with k = 4";
 
 /// Creates a panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
 pub fn panel(words: Words, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
-    let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
-    let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());
+    let start: Vec<_> = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string()).collect();
+    let (start, damping) = (start.join(", "), problem.damping.describe());
     let (t_end, [title, system, paper]) = (problem.t_end, words);
     Panel {
         id: id.into(),

@@ -58,8 +58,8 @@ pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
 use analysis::{FinalMoments, worse};
 use conformal_law::{along, largest_defect};
 use experiment::{
-    BODY_1, BODY_3, BODY_ENERGY, PENDULUM, POISSON, Path, TRUNCATED, TRUNCATION_ORDER, VOLTERRA,
-    Words, distance, followed, of_paper, panel,
+    BODY_1, BODY_3, BODY_ENERGY, POISSON, Path, TRUNCATED, TRUNCATION_ORDER, VOLTERRA, Words,
+    distance, followed, of_paper, panel,
 };
 use kernels::Tuned;
 use mc::{Ladder, Observable, Run, Setup, View};

@@ -160,8 +160,7 @@ impl Figure {
             let frame = Frame { x: axis(range, start, start + WIDTH), y };
             let x =
                 if plot.decades { Ticks::decades(range, 7) } else { Ticks::powers(2, range, 8) };
-            let y_title = (n == 0).then_some(&*self.y_title);
-            let y = (&Ticks::decades(y.range, 7), y_title);
+            let y = (&Ticks::decades(y.range, 7), (n == 0).then_some(&*self.y_title));
             frame.draw(&mut canvas, (&x, Some(&plot.x_title)), y);
             self.lines.iter().for_each(|line| line.draw(&mut canvas, &frame));
             plot.draw(&mut canvas, &frame, &looks, signed);
@@ -215,9 +214,9 @@ impl Plot {
             };
             let places: Vec<_> = curve.points.iter().map(place).collect();
             let (width, opacity) = if signed { (0.8, 0.45) } else { (1.2, 1.0) };
-            let line = look.line(width);
-            let opacity = opacity * line.opacity;
-            frame.polyline(canvas, &places, Stroke { opacity, ..line });
+            let mut line = look.line(width);
+            line.opacity *= opacity;
+            frame.polyline(canvas, &places, line);
             let bar = Stroke::new(look.color, 1.0);
             for (point, at) in curve.points.iter().zip(places) {
                 // Where an interval reaches zero or leaves the frame it ends at the border,

@@ -67,10 +67,11 @@ impl Frame {
             }
         }
         for (ticks, place, _) in sides {
-            let major = ticks.major.iter().map(|(value, _)| (*value, 3.5));
-            for (value, length) in major.chain(ticks.minor.iter().map(|value| (*value, 2.0))) {
+            let mut mark = |value, length| {
                 canvas.polyline(&[place(value, 0.0), place(value, length)], ink);
-            }
+            };
+            ticks.major.iter().for_each(|(value, _)| mark(*value, 3.5));
+            ticks.minor.iter().for_each(|value| mark(*value, 2.0));
         }
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
         canvas.polyline(&corners, ink);

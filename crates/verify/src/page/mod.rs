@@ -88,14 +88,18 @@ fn csv(panel: &Panel) -> String {
 
 /// Numbers of claims with each outcome, in words.
 pub fn counts<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
-    let count = |one: &str| claims.clone().filter(|claim| claim.outcome() == one).count();
-    let words = ["holds", "refuted", "misprint", "undecided"];
-    words.map(|one| format!("{} {one}", count(one))).join(", ")
+    let count = |outcome: &str| {
+        let number = claims.clone().filter(|claim| claim.outcome() == outcome).count();
+        format!("{number} {outcome}")
+    };
+    ["holds", "refuted", "misprint", "undecided"].map(count).join(", ")
 }
 
 fn page(results: &Results) -> String {
-    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
-    let mut page = Document::new("Casimir · reproduction report", title);
+    let mut page = Document::new(
+        "Casimir · reproduction report",
+        "Structure-preserving simulation of damped stochastic Poisson systems",
+    );
     page.section("Summary");
     for (what, proven) in [("What the paper proves", true), ("What is observed", false)] {
         let checks = results.claims.iter().filter(|claim| claim.proven == proven);
@@ -171,7 +175,7 @@ fn statements(results: &Results) -> Vec<(Option<usize>, [String; 5])> {
             ids.push(&claim.id);
         }
     }
-    let row = |id: &str| {
+    let rows = ids.into_iter().map(|id| {
         let checks = results.claims.iter().filter(move |claim| claim.id == id);
         let rates = checks.clone().filter_map(|claim| match &claim.measured {
             Evidence::Order { rate, .. } => rate.as_ref(),
@@ -189,8 +193,8 @@ fn statements(results: &Results) -> Vec<(Option<usize>, [String; 5])> {
         });
         let number = checks.clone().count().to_string();
         (Some(section), [id.into(), counts(checks), number, interval, title.into()])
-    };
-    ids.into_iter().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// Adds a table of claims.

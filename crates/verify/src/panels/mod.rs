@@ -18,7 +18,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             conditions,
             [
                 "Pendulum: strong convergence",
-                PENDULUM,
+                "pendulum, c = 1",
                 "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
             ],
             (12, 500),

@@ -180,12 +180,12 @@ impl StrongPanel<'_> {
         let at = |time| FinalMoments::new(time, curves.len(), &differences);
         let new = || (1..=ladder.coarse_steps()).map(at).collect::<Vec<_>>();
         let found = ladder.run(PILOT_PATHS, new).statistic;
-        let worst = |s: usize| {
+        let worst = (0..curves.len()).map(|s| {
             // Sums: a path that failed counts no more.
             let sums = found.iter().map(|f| f.moments.mean(s) * f.moments.count() as f64);
             (1..).zip(sums).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(time, _)| time)
-        };
-        (0..curves.len()).map(worst).collect()
+        });
+        worst.collect()
     }
 }
 
@@ -224,8 +224,8 @@ pub fn compare<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     let compiled = Compiled::of(problem);
     let measure = |fewer: u32, curves: &[Curve<'_>]| {
         let sizes = conditions.choose((last - fewer, samples), (10, 512));
-        let bound = Some(proven);
-        StrongPanel { bound, ..StrongPanel::new(words, sizes) }.measure(conditions, curves)
+        let panel = StrongPanel { bound: Some(proven), ..StrongPanel::new(words, sizes) };
+        panel.measure(conditions, curves)
     };
     let mut findings = measure(0, &of_paper(&compiled));
     let areas = compiled.curves(&[BuiltIn::SexpLevy]);

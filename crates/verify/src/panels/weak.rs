@@ -53,19 +53,19 @@ pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let sexp = Compiled::of(&problem).sexp();
     let (last, most): (_, u32) = conditions.choose((12, 500_000), (9, 65_536));
-    let samples = |l: u32| (f64::from(most) * power_of_half(l - FIRST).sqrt()).ceil() as u64;
-    let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
+    let difference = |l| DifferenceSamples {
+        tau: power_of_half(l),
+        samples: (f64::from(most) * power_of_half(l - FIRST).sqrt()).ceil() as u64,
+    };
     let grid: Vec<_> = (FIRST..=last).map(difference).collect();
     let observables = weak_observables();
-    let scheme = || sexp.scheme.clone();
     let antithetic = |part, sizes: &DifferenceSamples| {
+        let scheme = || sexp.scheme.clone();
         let runs = vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
         let ladder = difference_ladder(&sexp.problem, sizes.tau, conditions.key(part), runs);
-        let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
-        moments_of(&ladder, sizes.samples, &observables, difference)
+        moments_of(&ladder, sizes.samples, &observables, |phi| phi(0) - 0.5 * (phi(1) + phi(2)))
     };
-    let every = Expansion::EveryPower;
-    let (series, failures) = series("sexp", &grid, &observables, every, antithetic);
+    let (series, failures) = series("sexp", &grid, &observables, Expansion::EveryPower, antithetic);
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
     let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
     let (samples, finer) = (samples.join(", "), last + 1);
@@ -104,8 +104,8 @@ pub fn series(
     expansion: Expansion,
     differences: impl Fn(u64, &DifferenceSamples) -> (CrossMoments, Vec<String>),
 ) -> (Vec<Series>, Vec<String>) {
-    let found = (0..).zip(grid).map(|(part, sizes)| differences(part, sizes));
-    let (moments, failures): (Vec<_>, Vec<_>) = found.unzip();
+    let (moments, failures): (Vec<_>, Vec<_>) =
+        (0..).zip(grid).map(|(part, sizes)| differences(part, sizes)).unzip();
     let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
     let series = observables.iter().enumerate().map(|(f, observable)| {
         let (points, rate) = weak_errors(&taus, &moments, f, expansion);

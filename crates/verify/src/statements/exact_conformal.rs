@@ -9,6 +9,8 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
+use systems::Invariant;
+
 use crate::*;
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
@@ -54,21 +56,21 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         }
         path
     });
-    let claim = |(index, invariant): (usize, &systems::Invariant)| {
+    let claim = |(index, invariant): (usize, &Invariant)| {
         let variation = |path: &Path| {
-            let values = along(&erased, index, path);
-            let defects: Vec<f64> = values.map(|(_, value, exact)| value / exact - 1.0).collect();
+            let defects: Vec<f64> =
+                along(&erased, index, path).map(|(_, value, exact)| value / exact - 1.0).collect();
             defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()
         };
         let [before, after] = paths.each_ref().map(variation);
         let [coarse, fine] = SUBSTEPS.map(|n| {
             format!("variation of the relative defect of Runge–Kutta with {n} steps a piece")
         });
-        let quantities = vec![
+        let quantities = [
             Bounded::reported(coarse, before),
             Bounded::at_most(fine, after, f64::max(before / REDUCTION, ROUND_OFF)),
         ];
-        let systems::Invariant { name, formula, degree, .. } = invariant;
+        let Invariant { name, formula, degree, .. } = invariant;
         let statement = format!(
             "{}: {name} = {formula} obeys the conformal law of degree {degree} on the exact flow",
             system.name()

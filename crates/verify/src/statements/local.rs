@@ -69,11 +69,9 @@ pub fn remainder_claims(
     [(0, "(E‖R‖²)^½ ≤ C τ^(3/2)", 1.5), (1, "‖E R‖ ≤ C τ²", 2.0)].map(|(which, bound, order)| {
         let values = measured.map(|both| both[which].0);
         let covariance = diagonal(&measured.map(|both| both[which].1));
-        let every = Expansion::EveryPower;
-        let rate = fit_weak(&taus, &values, &covariance, Against::Exact, every);
-        let statement = format!("one-step remainder of {of}: {bound}");
+        let rate = fit_weak(&taus, &values, &covariance, Against::Exact, Expansion::EveryPower);
         let measured = Evidence::Order { order, one_sided: false, rate, wrong_limit: None };
-        Claim::new(conditions.id, statement, measured)
+        Claim::new(conditions.id, format!("one-step remainder of {of}: {bound}"), measured)
     })
 }
 
@@ -149,8 +147,8 @@ pub fn scheme_remainder(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&body, start, 0.0, w);
     let second = vector_field_derivative(&body, start, 0.0, w, field);
-    let first = first_order(tau, w);
-    from_fn(|i| end[i] - first[i] - 0.5 * second[i])
+    let rest = difference(end, first_order(tau, w));
+    from_fn(|i| rest[i] - 0.5 * second[i])
 }
 
 fn dot(a: Vector, b: Vector) -> f64 {

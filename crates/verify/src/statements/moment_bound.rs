@@ -64,9 +64,11 @@ pub fn bound(
     }
     let words = format!("largest ‖y_n‖ over its bound, {paths} paths with τ = 0.5, 0.1 and 0.01");
     let quantities = vec![Bounded::at_most(words, largest, 1.0 + ROUND_OFF)];
-    let (name, damping) = (&problem.name, problem.damping.describe());
-    let law = &problem.laws[index].name;
-    let statement =
-        format!("{name}, {damping}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {law}");
+    let statement = format!(
+        "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {}",
+        problem.name,
+        problem.damping.describe(),
+        problem.laws[index].name
+    );
     Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

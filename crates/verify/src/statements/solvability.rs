@@ -64,10 +64,8 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     }
     let words = format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
     let limits = format!("largest distance between limits from {pairs} pairs of starts");
-    let quantities = vec![
-        Bounded::at_most(words, quotient, lipschitz),
-        Bounded::at_most(limits, apart, AGREEMENT),
-    ];
+    let quantities =
+        [Bounded::at_most(words, quotient, lipschitz), Bounded::at_most(limits, apart, AGREEMENT)];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::bounds(quantities))
 }

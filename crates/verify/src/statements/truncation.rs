@@ -27,17 +27,16 @@ fn threshold(tau: f64, k: u32) -> f64 {
 /// Tail integral 2φ(A)∫₀^∞ g(s) e^{−As − s²/2} ds with φ(A) = τᵏ/√(2π).
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
     let threshold = threshold(tau, k);
-    let density = powi(tau, k as i32) / (2.0 * PI).sqrt();
-    let rule = valid(Rule::new(128));
     // Beyond s = 60/(A + 3) the exponential is below e^{−50}, and the powers of s do not matter.
     let end = 60.0 / (threshold + 3.0);
-    2.0 * density * rule.integrate(0.0, end, |s| g(s) * exp(-threshold * s - 0.5 * s * s))
+    let integrand = |s| g(s) * exp(-threshold * s - 0.5 * s * s);
+    let density = powi(tau, k as i32) / (2.0 * PI).sqrt();
+    2.0 * density * valid(Rule::new(128)).integrate(0.0, end, integrand)
 }
 
 /// Lost variance E[ζ²] − E[χ²].
 fn lost_variance(tau: f64, k: u32) -> f64 {
-    let threshold = threshold(tau, k);
-    tail(tau, k, |s| s * (s + 2.0 * threshold))
+    tail(tau, k, |s| s * (s + 2.0 * threshold(tau, k)))
 }
 
 /// Distance ‖ΔW − ΔŴ‖_{Lᵖ}.
@@ -53,8 +52,12 @@ pub(super) fn measure(conditions: &Conditions) -> Findings {
             .into();
     }
     let bound = valid(valid(Truncation::new(SAMPLED_ORDER)).bound(SAMPLED_STEP));
-    let sampled = sampled_variance(conditions, bound);
-    Findings::of([variance(), sampled, distances(&[1, 2], "1, 2"), fourth])
+    Findings::of([
+        variance(),
+        sampled_variance(conditions, bound),
+        distances(&[1, 2], "1, 2"),
+        fourth,
+    ])
 }
 
 fn variance() -> Claim {
@@ -64,12 +67,11 @@ fn variance() -> Claim {
         let ratio = lost_variance(tau, k) / ((1.0 + threshold(tau, k)) * powi(tau, k as i32));
         (largest, smallest) = (worse(largest, ratio), f64::min(smallest, ratio));
     }
-    let quantities = vec![
+    let quantities = [
         Bounded::at_least("smallest ratio of the closed form to its bound", smallest, 0.0),
         Bounded::at_most(format!("largest, {RANGE}"), largest, 1.0),
     ];
-    let statement = "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)";
-    Claim::new(ID, statement, Evidence::bounds(quantities))
+    Claim::new(ID, "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)", Evidence::bounds(quantities))
 }
 
 /// Step size and order k at which enough increments are clipped to see the lost variance.
@@ -113,7 +115,7 @@ fn distances(powers: &[i32], names: &str) -> Claim {
         [Bounded::at_most(growing, growth.fold(0.0, worse), 1.0), Bounded::reported(exponent, seen)]
     });
     let statement = format!("‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2) for p = {names}");
-    Claim::new(ID, statement, Evidence::bounds(quantities.collect()))
+    Claim::new(ID, statement, Evidence::bounds(quantities))
 }
 
 #[cfg(test)]

@@ -29,10 +29,9 @@ fn of_each<'a>(
 ) -> Findings {
     let schemes = [BuiltIn::SexpLi, BuiltIn::Split];
     let curves = problems.into_iter().flat_map(|problem| (0..).zip(problem.curves(&schemes)));
-    let claims = curves.map(|(part, Curve { name, setup, .. })| {
+    Findings::of(curves.map(|(part, Curve { name, setup, .. })| {
         claim(conditions, part, setup).about("", name).proven(false)
-    });
-    Findings::of(claims)
+    }))
 }
 
 /// Alters a set-up: increments are multiplied by `factor`.
@@ -63,9 +62,10 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
             solved = solved.min(path.len() as u64 - 1);
             largest = worse(largest, largest_defect(&setup.problem, 0, &path));
         }
-        let words = format!("solved of {STEPS} steps, increments of {size} standard deviations");
+        let of_size = format!("increments of {size} standard deviations");
+        let words = format!("solved of {STEPS} steps, {of_size}");
         quantities.push(Bounded::at_least(words, solved as f64, STEPS as f64));
-        let words = format!("largest relative defect, increments of {size} standard deviations");
+        let words = format!("largest relative defect, {of_size}");
         quantities.push(Bounded::at_most(words, largest, ROUND_OFF));
     }
     setup.problem.t_end = LONG_STEPS as f64 * LONG_STEP;
@@ -98,7 +98,7 @@ pub fn order_two(conditions: &Conditions, _part: u64, setup: Setup<'_>) -> Claim
     let order = elementary::log2(apart(&coarse, &middle) / apart(&middle, &fine));
     let words = format!("order from {COARSE}, {} and {} steps", 2 * COARSE, 4 * COARSE);
     let quantities =
-        vec![Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];
+        [Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];
     let statement = format!("{}: order two without noise", setup.problem.name);
     Claim::new("no-noise", statement, Evidence::bounds(quantities))
 }

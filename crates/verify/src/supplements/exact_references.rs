@@ -9,22 +9,11 @@ use crate::{
     *,
 };
 
-pub fn lotka_volterra(conditions: &Conditions) -> Findings {
-    let title = "Lotka–Volterra against its exact solution: strong convergence";
-    compare(conditions, title, VOLTERRA, &paper::lotka_volterra_1_1())
-}
-
-pub fn rigid_body(conditions: &Conditions) -> Findings {
-    let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
-    compare(conditions, title, BODY_ENERGY, &paper::rigid_body_energy(1.0))
-}
-
 /// Strong errors, weak errors of `sexp` against the exact solution path by path, and the mean of
 /// the exact solution over the paths against the Gaussian integral.
-fn compare<S: Tuned<3, 1>, G: Damping>(
+pub fn compare<S: Tuned<3, 1>, G: Damping>(
     conditions: &Conditions,
-    title: &'static str,
-    system: &'static str,
+    [title, system]: [&'static str; 2],
     problem: &Problem<S, G, 3>,
 ) -> Findings {
     // The random time whose flow is the exact solution. Both systems have a vector field of degree
@@ -37,8 +26,8 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     let words = [title, system, "Not in the paper."];
     let panel = StrongPanel::new(words, conditions.choose((12, 500), (10, 200)));
     let finest = time(finest_steps(panel.last, problem.t_end()));
-    let strong = StrongPanel { exact: Some(Exact::new(&finest, solution)), ..panel };
-    let mut findings = strong.measure(conditions, &of_paper(&compiled));
+    let panel = StrongPanel { exact: Some(Exact::new(&finest, solution)), ..panel };
+    let mut findings = panel.measure(conditions, &of_paper(&compiled));
 
     let sizes = StepSizes {
         levels: 5,
@@ -58,8 +47,8 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
         // Two ways to the same number, of which one uses the noise of this project and the
         // other a quadrature.
         let (on, key) = (&compiled.problem, conditions.key(2));
-        let ladder = valid(Ladder::new(on, steps, 1, truncation(), key, Vec::new()));
-        let ladder = ladder.with_time_change(&time);
+        let ladder =
+            valid(Ladder::new(on, steps, 1, truncation(), key, Vec::new())).with_time_change(&time);
         let values = |view: &View<'_>, rows: &mut [Row]| {
             for p in view.live.paths() {
                 rows[0][p] = (observable.function)(solution(view.random_time[p]));

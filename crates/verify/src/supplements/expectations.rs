@@ -43,8 +43,7 @@ fn expectation(
 ) -> Expectation {
     let problem = rigid_body_three_noises(1.0);
     let (mut expect, key) = (Expect::by_parts(&problem), conditions.key(part));
-    let random_points = way == RANDOM;
-    let mut settings = ExpectSettings { key, random_points, ..Default::default() };
+    let mut settings = ExpectSettings { key, random_points: way == RANDOM, ..Default::default() };
     if way != CHOSEN {
         expect = Expect::with_scheme(Compiled::of(&problem).sexp());
         (settings.truncation, settings.max_cost) = (truncation(), 1 << 40);
@@ -73,12 +72,11 @@ fn claim(estimate: &Estimate, of: &Expectation, expected: f64, statement: String
 pub fn measure(conditions: &Conditions) -> Findings {
     let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
     let measured = expectation(conditions, CHOSEN, 0, &observables, accuracy);
-    let claims = measured.estimates.iter().zip(KOLMOGOROV).map(|(estimate, exact)| {
+    Findings::of(measured.estimates.iter().zip(KOLMOGOROV).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
         claim(estimate, &measured, exact, statement).about("", "nv")
-    });
-    Findings::of(claims)
+    }))
 }
 
 const WORDS: Words = [
