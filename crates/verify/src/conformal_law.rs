@@ -2,7 +2,7 @@
 
 use mc::{ConformalLaw, Problem};
 
-use crate::{evidence::DEVIATIONS, *};
+use crate::*;
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;

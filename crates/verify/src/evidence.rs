@@ -3,7 +3,7 @@
 use analysis::{Limit, Order};
 use serde::Serialize;
 
-use crate::{verdict::order_verdict, *};
+use crate::*;
 
 /// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
 /// quantile of a false alarm once in 1e5 runs.

@@ -57,10 +57,7 @@ pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
 // The names that experiments share.
 use analysis::{FinalMoments, worse};
 use conformal_law::{along, largest_defect};
-use experiment::{
-    BODY_1, BODY_3, BODY_ENERGY, POISSON, Path, TRUNCATED, TRUNCATION_ORDER, VOLTERRA, Words,
-    distance, followed, of_paper, panel,
-};
+use experiment::*;
 use kernels::Tuned;
 use mc::{Ladder, Observable, Run, Setup, View};
 use noise::{StepNoise, StreamKey, Truncation, WienerPath};
@@ -69,10 +66,10 @@ use panels::{
     strong::{StrongPanel, power_of_half},
 };
 use real::{Row, WIDTH, elementary};
-use results::{Bounded, Claim, DifferenceSamples, Evidence, Kind, Panel, Series, Verdict};
+use results::*;
 use runge_kutta::runge_kutta;
 use schemes::{BuiltIn, Step};
-use stats::{CrossMoments, Expansion, Point, Rate};
+use stats::{CrossMoments, Expansion};
 use systems::{
     Damping, PoissonSystem, Problem,
     paper::{self, rigid_body_three_noises, valid},

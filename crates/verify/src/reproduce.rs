@@ -2,10 +2,7 @@
 
 use std::time::Instant;
 
-use crate::{
-    results::{Provenance, Results, SCHEMA},
-    *,
-};
+use crate::*;
 
 /// Identifiers of the panels and statements that experiments make.
 pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {

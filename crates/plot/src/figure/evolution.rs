@@ -19,7 +19,8 @@ const BETWEEN: f64 = 10.0;
 pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
-    let looks = of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
+    let names: Vec<&str> = drawn.iter().map(|series| &*series.scheme).collect();
+    let looks = of_schemes(&names);
     // Times, values and laws.
     let point = |point: &Point| match *point {
         Point::Value { t, value, exact } if t.is_finite() => Some([t, value, exact]),
@@ -31,9 +32,8 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let defect = |[_, value, law]: [f64; 3]| relative_defect(value, law);
 
     let law = Stroke::new(INK, 0.7);
-    let names = drawn.iter().map(|series| Label::words(&series.scheme));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
-    let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
+    let entries = entries.chain([(Sample::Line(law), "conformal law")]);
     let times = Axis::of(all().map(|p| p[0]), 0.0);
     let y = (Axis::linear(value_range(&curves)), quantity);
     let mut plain = Plain::new(entries, VALUE_HEIGHT, (times, None), y);

@@ -174,13 +174,14 @@ pub struct Plain {
 
 impl Plain {
     /// Draws legend and axes; each axis has a title, except one above another plot.
-    pub fn new(
-        entries: impl IntoIterator<Item = (Sample, Label)>,
+    pub fn new<'a>(
+        entries: impl IntoIterator<Item = (Sample, &'a str)>,
         height: f64,
         (x, x_title): (Axis, Option<&str>),
         (y, y_title): (Axis, &str),
     ) -> Self {
         let mut canvas = Canvas::default();
+        let entries = entries.into_iter().map(|(sample, name)| (sample, Label::words(name)));
         let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
         let frame = Frame { x: x.over(LEFT, WIDTH - RIGHT), y: y.over(top + height, top) };
         frame.draw(&mut canvas, (&x.ticks(6), x_title), (&y.ticks(5), Some(y_title)));

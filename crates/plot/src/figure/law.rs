@@ -81,15 +81,15 @@ impl Law {
 /// and 1 − p, the median and the mean; without quantiles, the band between the ends of the 95 %
 /// intervals. Bands and lines are interrupted where a number is not known.
 pub fn bands<'a>(title: &str, x_title: &str, y_title: impl Into<Title<'a>>, law: &Law) -> String {
-    let y_title = y_title.into();
+    let (y_title, bands) = (y_title.into(), law.bands());
     let mut entries = Vec::new();
-    for (n, (name, _)) in (1..).zip(law.bands()) {
+    for (n, (name, _)) in (1..).zip(&bands) {
         let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n);
-        entries.push((Sample::Area(COLOR, opacity), Label::words(&name)));
+        entries.push((Sample::Area(COLOR, opacity), &**name));
     }
-    entries.extend(law.median().map(|_| (Sample::Line(MEDIAN), Label::words("median"))));
+    entries.extend(law.median().map(|_| (Sample::Line(MEDIAN), "median")));
     let mean = if law.quantiles.is_empty() { "estimate" } else { "mean" };
-    entries.push((Sample::Line(MEAN), Label::words(mean)));
+    entries.push((Sample::Line(MEAN), mean));
     let x = (Axis::of(law.x.iter().copied(), 0.0), Some(x_title));
     let y = (y_title.axis(law.shown(), 0.06), y_title.words);
     let mut plain = Plain::new(entries, 190.0, x, y);
@@ -109,7 +109,6 @@ pub fn fitted(title: &str, x: &str, y: &str, law: &Law, data: &[Sampled]) -> Str
         (Sample::Line(MEAN), "fit"),
         (Sample::Point(look), "data"),
     ];
-    let entries = entries.map(|(sample, name)| (sample, Label::words(name)));
     let mut plain = Plain::new(entries, 190.0, (times, Some(x)), (values, y));
     law.draw(&mut plain.canvas, &plain.frame);
     data.iter().for_each(|value| plain.sampled(value, look));
@@ -199,7 +198,7 @@ pub fn histogram(
     mean: Option<f64>,
 ) -> String {
     let lines = [("median", median, MEDIAN), ("mean", mean, MEAN)];
-    let entries = lines.map(|(name, _, stroke)| (Sample::Line(stroke), Label::words(name)));
+    let entries = lines.map(|(name, _, stroke)| (Sample::Line(stroke), name));
     let bars = bins.bars();
     let values = Axis::of(bars.iter().flat_map(|bar| [bar[0], bar[1]]), 0.04);
     let highest = Range::of(bars.iter().map(|bar| bar[2]), UNIT).hi;

@@ -22,12 +22,11 @@ pub enum Sample {
 }
 
 /// Looks of curves, and their legend entries; a single curve has no entry.
-pub fn of_curves<'a>(names: impl Iterator<Item = &'a str>) -> (Vec<Look>, Vec<(Sample, Label)>) {
+pub fn of_curves<'a>(names: impl Iterator<Item = &'a str>) -> (Vec<Look>, Vec<(Sample, &'a str)>) {
     let names: Vec<&str> = names.collect();
     let looks = of_quantities(names.len());
-    let entry = |(look, name): (&Look, &&str)| (Sample::Curve(*look), Label::words(name));
-    let entries = looks.iter().zip(&names).filter(|_| names.len() > 1).map(entry).collect();
-    (looks, entries)
+    let shown = names.iter().filter(|_| names.len() > 1);
+    (looks.clone(), looks.into_iter().map(Sample::Curve).zip(shown.copied()).collect())
 }
 
 /// Draws the entries in rows that begin at `left` and are no wider than `width`, and returns where

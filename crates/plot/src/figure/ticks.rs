@@ -58,12 +58,12 @@ impl Ticks {
         }
         let magnitude = log10(rough).floor() as i32;
         let (mantissa, magnitude) = match rough / powi(10f64, magnitude) {
-            ..=1.0 => (1, magnitude),
-            ..=2.0 => (2, magnitude),
-            ..=5.0 => (5, magnitude),
-            _ => (1, magnitude + 1),
+            ..=1.0 => (1.0, magnitude),
+            ..=2.0 => (2.0, magnitude),
+            ..=5.0 => (5.0, magnitude),
+            _ => (1.0, magnitude + 1),
         };
-        let step = f64::from(mantissa) * powi(10f64, magnitude);
+        let step = mantissa * powi(10f64, magnitude);
         let (first, last) = ((range.lo / step).ceil(), (range.hi / step).floor());
         let largest = range.lo.abs().max(range.hi.abs());
         // Beyond 2^53 steps the multiples are no longer distinct, and there is nothing sensible to
@@ -80,7 +80,7 @@ impl Ticks {
         let unit = powi(10f64, magnitude - power);
         let mut ticks = Self::default();
         for i in 0..=(last - first) as usize {
-            let integer = f64::from(mantissa) * (first + i as f64);
+            let integer = mantissa * (first + i as f64);
             let decimals = if integer == 0.0 { 0 } else { decimals };
             let label = Label::new(&format!("{:.decimals$}", integer * unit));
             ticks.major.push((integer * powi(10f64, magnitude), label));

@@ -10,7 +10,7 @@ use plot::{
     series::relative_defect,
 };
 
-use crate::{results::Results, *};
+use crate::*;
 
 /// Writes the report of a run into a folder.
 ///

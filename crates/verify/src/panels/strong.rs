@@ -5,7 +5,7 @@ use mc::Measured;
 use schemes::StrongOrder;
 use stats::{fit_strong, root_mean_squares};
 
-use crate::{results::Clipped, *};
+use crate::*;
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;

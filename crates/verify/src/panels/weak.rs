@@ -63,7 +63,10 @@ pub fn measure(conditions: &Conditions) -> Findings {
         let scheme = || sexp.scheme.clone();
         let runs = vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
         let ladder = difference_ladder(&sexp.problem, sizes.tau, conditions.key(part), runs);
-        moments_of(&ladder, sizes.samples, &observables, |phi| phi(0) - 0.5 * (phi(1) + phi(2)))
+        moments_of(&ladder, sizes.samples, observables.len(), |view, p, f| {
+            let phi = |run| (observables[f].function)(view.path(run, p));
+            phi(0) - 0.5 * (phi(1) + phi(2))
+        })
     };
     let (series, failures) = series("sexp", &grid, &observables, Expansion::EveryPower, antithetic);
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
@@ -126,22 +129,20 @@ pub fn difference_ladder<'a>(
     valid(Ladder::new(problem, finest_steps, 1, truncation(), key, runs))
 }
 
-/// Moments of a combination of φ of the runs at the final time, for every φ, and the paths that
-/// failed; each of them is a difference between neighbouring steps.
+/// Moments at the final time of `number` functions of a path, given by the number of the path in
+/// its block and that of the function, and the paths that failed.
 pub fn moments_of(
     ladder: &Ladder<'_>,
     samples: u64,
-    observables: &[Observable<3>],
-    combination: impl Fn(&dyn Fn(usize) -> f64) -> f64 + Sync,
+    number: usize,
+    function: impl Fn(&View<'_>, usize, usize) -> f64 + Sync,
 ) -> (CrossMoments, Vec<String>) {
     let values = |view: &View<'_>, rows: &mut [Row]| {
-        for (row, observable) in rows.iter_mut().zip(observables) {
-            for p in view.live.paths() {
-                row[p] = combination(&|run| (observable.function)(view.path(run, p)));
-            }
+        for (f, row) in rows.iter_mut().enumerate() {
+            view.live.paths().for_each(|p| row[p] = function(view, p, f));
         }
     };
-    let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
+    let new = || FinalMoments::new(ladder.coarse_steps(), number, &values);
     let measured = ladder.run(samples, new);
     let failures = describe_failures(&measured);
     (measured.statistic.moments, failures)

@@ -5,7 +5,7 @@ use analysis::{Exact, StepSizes, weak_order};
 
 use crate::{
     exact::{RandomTime, expectation, solution},
-    panels::strong::finest_steps,
+    panels::{strong::finest_steps, weak::moments_of},
     *,
 };
 
@@ -49,13 +49,10 @@ pub fn compare<S: Tuned<3, 1>, G: Damping>(
         let (on, key) = (&compiled.problem, conditions.key(2));
         let ladder =
             valid(Ladder::new(on, steps, 1, truncation(), key, Vec::new())).with_time_change(&time);
-        let values = |view: &View<'_>, rows: &mut [Row]| {
-            for p in view.live.paths() {
-                rows[0][p] = (observable.function)(solution(view.random_time[p]));
-            }
-        };
-        let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
-        let moments = ladder.run(conditions.choose(20_000, 1_000), new).statistic.moments;
+        let samples = conditions.choose(20_000, 1_000);
+        let (moments, _) = moments_of(&ladder, samples, 1, |view, p, _| {
+            (observable.function)(solution(view.random_time[p]))
+        });
         let (value, error) = (moments.mean(0), moments.standard_error(0));
         let expected = expectation(problem, &time, steps, observable.function);
         let statement = format!(

@@ -89,7 +89,8 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
         };
         let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
         let (found, failed) =
-            moments_of(&ladder.with_noise(increments), points, &OBSERVABLES, |phi| {
+            moments_of(&ladder.with_noise(increments), points, OBSERVABLES.len(), |view, p, f| {
+                let phi = |run| (OBSERVABLES[f].function)(view.path(run, p));
                 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)))
             });
         failures.extend(failed);
