@@ -31,16 +31,18 @@ fn main() -> ExitCode {
     let name = arguments.next().unwrap_or_default();
     let Some((_, command, _)) = CHORES.iter().find(|chore| name == chore.0) else {
         let chores = CHORES.map(|(name, _, about)| format!("  {name:16}{about}\n")).concat();
-        let asked = ["", "help", "-h", "--help"].iter().any(|help| name == *help);
         println!("Usage: cargo xtask CHORE [ARGUMENTS]\n\n{chores}");
-        return if asked { ExitCode::SUCCESS } else { ExitCode::from(2) };
+        let asked = ["", "help", "-h", "--help"].iter().any(|help| name == *help);
+        return ExitCode::from(if asked { 0 } else { 2 });
     };
     let mut words = command.split_whitespace();
-    let describe = ["describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"];
-    let commit =
-        Command::new("git").args(["-C", env!("CARGO_MANIFEST_DIR")]).args(describe).output();
-    let commit = commit.ok().filter(|output| output.status.success());
-    let commit = commit.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    let commit = Command::new("git")
+        .args(["-C", env!("CARGO_MANIFEST_DIR"), "describe", "--always", "--dirty"])
+        .args(["--abbrev=12", "--exclude=*"])
+        .output()
+        .ok()
+        .filter(|output| output.status.success())
+        .map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
     let status = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(words.next())
         .args(["--quiet", "--package", "casimir-verify"])

@@ -72,10 +72,10 @@ impl Document {
     pub fn figures(&mut self, figures: impl IntoIterator<Item = (String, String)>) {
         self.body += "<div class=\"grid\">";
         for (svg, caption) in figures {
-            let caption = escape(&caption);
             self.body += &format!(
                 "<figure class=\"card\"><div class=\"paper\">{svg}</div>\
-                 <figcaption>{caption}</figcaption></figure>"
+                 <figcaption>{}</figcaption></figure>",
+                escape(&caption)
             );
         }
         self.body += "</div>\n";

@@ -11,9 +11,8 @@ pub fn escape(text: &str) -> String {
             '>' => "&gt;",
             '"' => "&quot;",
             '\'' => "&#39;",
-            '\t' | '\n' | '\r' => c.encode_utf8(&mut same),
             // XML 1.0 knows no other control characters, not even as references.
-            _ if c.is_control() => "\u{fffd}",
+            _ if c.is_control() && !"\t\n\r".contains(c) => "\u{fffd}",
             _ => c.encode_utf8(&mut same),
         };
     }

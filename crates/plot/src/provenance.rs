@@ -68,16 +68,11 @@ pub fn complete(
         version: env!("CARGO_PKG_VERSION").into(),
         git: commit.unwrap_or(UNKNOWN).into(),
         rustc: env!("CASIMIR_RUSTC").into(),
-        day: day(SystemTime::now()
-            .duration_since(SystemTime::UNIX_EPOCH)
-            .map_or(0, |since| since.as_secs() / 86400)),
+        day: day(SystemTime::UNIX_EPOCH.elapsed().map_or(0, |since| since.as_secs() / 86400)),
         folder: folder.map_or(UNKNOWN.into(), |folder| folder.display().to_string()),
         cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
         simd: Simd::current().name().into(),
-        command: std::iter::once(program.into())
-            .chain(std::env::args().skip(1))
-            .collect::<Vec<_>>()
-            .join(" "),
+        command: std::env::args().skip(1).fold(program.into(), |all, next| all + " " + &next),
         wall_s: start.elapsed().as_secs_f64(),
         ..known
     }

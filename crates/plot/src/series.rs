@@ -43,10 +43,8 @@ pub const QUANTILE: f64 = 1.96;
 /// Quantity that a strong or invariant figure shows: the error at the final time, or else the first
 /// quantity.
 pub fn main_quantity(series: &[Series]) -> &str {
-    const FINAL_TIME: &str = "y(T)";
-    let mut quantities = series.iter().map(|s| s.quantity.as_str());
-    let first = quantities.clone().next().unwrap_or("");
-    quantities.find(|q| *q == FINAL_TIME).unwrap_or(first)
+    let at_end = series.iter().find(|series| series.quantity == "y(T)");
+    at_end.or(series.first()).map_or("", |series| &series.quantity)
 }
 
 /// Relative defect |value − exact| / |exact|; zero where the two agree.

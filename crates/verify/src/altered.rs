@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use mc::Setup;
-use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::Row;
-use schemes::{About, Method, Step, Stepper};
+use schemes::{About, Method, Stepper};
+
+use crate::*;
 
 /// Change of a step and its noise, applied after increments were clipped.
 type Change<'a> = dyn Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a;

@@ -1,11 +1,9 @@
 //! The schemes on a problem of the paper, and the curves of a figure.
 
-use kernels::Tuned;
-use mc::{Setup, bind_owned};
-use schemes::{BuiltIn, Scheme, SchemeError};
-use systems::{Damping, Problem};
+use mc::bind_owned;
+use schemes::{Scheme, SchemeError};
 
-use crate::two_spins::TwoSpins;
+use crate::{two_spins::TwoSpins, *};
 
 impl Tuned<6, 3> for TwoSpins {
     #[inline(never)]

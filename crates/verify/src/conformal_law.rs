@@ -1,11 +1,8 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
-use analysis::worse;
-use mc::{ConformalLaw, Problem, Setup};
-use real::elementary;
-use stats::CrossMoments;
+use mc::{ConformalLaw, Problem};
 
-use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidence};
+use crate::*;
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
@@ -14,20 +11,23 @@ use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidenc
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// Triples (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for invariant number `index` of the system.
-pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64, f64)> {
+pub fn along(
+    problem: &Problem<'_>,
+    index: usize,
+    path: &Path,
+) -> impl Iterator<Item = (f64, f64, f64)> {
     let ConformalLaw { degree, value, .. } = &problem.laws[index];
     let initial = value(&problem.y0);
-    let values = path.iter().map(|(t, y)| {
+    path.iter().map(move |(t, y)| {
         let exact = elementary::exp(-degree * problem.damping.integral(0.0, *t)) * initial;
         (*t, value(y), exact)
-    });
-    values.collect()
+    })
 }
 
 /// Largest relative defect |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| along a path; NaN if any defect is NaN.
 pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Path) -> f64 {
-    let values = along(problem, index, path);
-    values.iter().map(|(_, value, exact)| (value / exact - 1.0).abs()).fold(0.0, worse)
+    let defects = along(problem, index, path).map(|(_, value, exact)| (value / exact - 1.0).abs());
+    defects.fold(0.0, worse)
 }
 
 /// Number of paths at each of the two steps. A single path proves nothing: the largest defect along

@@ -1,11 +1,9 @@
 //! Measurements about a statement, as data: the verdict and the sentence follow from them.
 
 use analysis::{Limit, Order};
-use real::elementary;
 use serde::Serialize;
-use stats::Rate;
 
-use crate::verdict::{Verdict, order_verdict};
+use crate::*;
 
 /// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
 /// quantile of a false alarm once in 1e5 runs.
@@ -138,9 +136,8 @@ impl Evidence {
     /// Creates evidence for `order` from a measured order; a wrong limit refutes it.
     pub fn of_order(measured: Order, order: f64) -> Self {
         let wrong_limit = match measured.limit {
-            Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
-                Some(wrong)
-            }
+            Limit::Differs { distance } => Some(distance),
+            Limit::Inconsistent { defect } => Some(defect),
             _ => None,
         };
         Self::Order { order, one_sided: false, rate: measured.rate, wrong_limit }
@@ -159,8 +156,8 @@ impl Evidence {
     }
 
     /// Creates evidence from extremes of paths none of which failed.
-    pub fn bounds(quantities: Vec<Bounded>) -> Self {
-        Self::Bounds { quantities, failed: 0 }
+    pub fn bounds(quantities: impl IntoIterator<Item = Bounded>) -> Self {
+        Self::Bounds { quantities: quantities.into_iter().collect(), failed: 0 }
     }
 
     /// Verdict that follows from the measurement. A NaN refutes, except where a path failed.
@@ -169,32 +166,32 @@ impl Evidence {
     /// standard errors and the bias. Bounds that hold on some paths while others failed are
     /// undecided.
     pub fn verdict(&self) -> Verdict {
+        // Whether the statement holds, where the measurement can decide.
         let holds = match self {
-            Self::Order { wrong_limit: Some(_), .. } => false,
+            Self::Order { wrong_limit: Some(_), .. } => Some(false),
             Self::Order { order, one_sided, rate, .. } => {
                 return order_verdict(rate.as_ref(), *order, *one_sided);
             }
-            Self::Defect { largest, tolerance, obeys: true, .. } => largest <= tolerance,
-            Self::Defect { largest, tolerance, .. } => largest > tolerance,
-            // False for NaN.
-            Self::Approach { order, half_width, least, .. }
-                if (order - least).abs() > *half_width =>
-            {
-                order > least
+            Self::Defect { largest, tolerance, obeys: true, .. } => Some(largest <= tolerance),
+            Self::Defect { largest, tolerance, .. } => Some(largest > tolerance),
+            // Not decided for NaN.
+            Self::Approach { order, half_width, least, .. } => {
+                ((order - least).abs() > *half_width).then_some(order > least)
             }
-            Self::Approach { .. } | Self::Undecided { .. } => return Verdict::Undecided,
             Self::Deviation { value, standard_error, bias, expected, .. } => {
-                (value - expected).abs() <= DEVIATIONS * standard_error + bias
+                Some((value - expected).abs() <= DEVIATIONS * standard_error + bias)
             }
             Self::Bounds { quantities, failed } => {
                 let hold = quantities.iter().all(Bounded::holds);
-                if hold && *failed > 0 {
-                    return Verdict::Undecided;
-                }
-                hold
+                (!hold || *failed == 0).then_some(hold)
             }
+            Self::Undecided { .. } => None,
         };
-        if holds { Verdict::Holds } else { Verdict::Refuted }
+        match holds {
+            Some(true) => Verdict::Holds,
+            Some(false) => Verdict::Refuted,
+            None => Verdict::Undecided,
+        }
     }
 
     /// The measurement as a sentence: the only place that words one.
@@ -204,9 +201,9 @@ impl Evidence {
         };
         match self {
             Self::Order { wrong_limit: Some(distance), rate, .. } => {
-                let slope = rate.as_ref().map_or(String::new(), |rate| {
-                    format!("; its differences fall with {:.2}", rate.estimate)
-                });
+                let slope =
+                    |rate: &Rate| format!("; its differences fall with {:.2}", rate.estimate);
+                let slope = rate.as_ref().map(slope).unwrap_or_default();
                 format!("the scheme converges to something else, {distance:.1e} away{slope}")
             }
             Self::Order { rate: None, .. } => {
@@ -216,9 +213,11 @@ impl Evidence {
             }
             Self::Order { rate: Some(rate), .. } => {
                 let Rate { estimate, lo, hi, confidence, method, warning, .. } = rate;
-                let (percent, warning) = (100.0 * confidence, warned(warning.as_slice()));
-                format!("order {estimate:.3}, {percent:.0} % interval [{lo:.3}, {hi:.3}]; {method}")
-                    + &warning
+                format!(
+                    "order {estimate:.3}, {:.0} % interval [{lo:.3}, {hi:.3}]; {method}{}",
+                    100.0 * confidence,
+                    warned(warning.as_slice())
+                )
             }
             Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
                 let path = if *paths == 1 { "path" } else { "paths" };
@@ -255,29 +254,26 @@ impl Evidence {
                 // Two more digits than the standard error has zeros.
                 let digits =
                     (2.0 - elementary::log10(*standard_error).floor()).clamp(2.0, 15.0) as usize;
-                let deviations = (value - expected) / standard_error;
-                let bias = match *bias > 0.0 {
-                    true => format!(", bias at most {bias:.1e}"),
-                    false => String::new(),
-                };
-                let cost = path_steps.map_or(String::new(), |n| format!("; {n} path-steps"));
+                let bias = (*bias > 0.0).then(|| format!(", bias at most {bias:.1e}"));
+                let cost = path_steps.map(|n| format!("; {n} path-steps"));
                 format!(
-                    "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error{bias}) \
-                     against {expected:.digits$}: {deviations:+.1} standard errors{cost}{}",
+                    "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error{}) \
+                     against {expected:.digits$}: {:+.1} standard errors{}{}",
+                    bias.unwrap_or_default(),
+                    (value - expected) / standard_error,
+                    cost.unwrap_or_default(),
                     warned(warnings)
                 )
             }
             Self::Bounds { quantities, failed } => {
-                let bounded = |bounded: &Bounded| {
-                    let limits = [("least", bounded.at_least), ("most", bounded.at_most)];
-                    let limits = limits.map(|(word, bound)| {
+                let bounded = |Bounded { quantity, value, at_least, at_most }: &Bounded| {
+                    let limits = [("least", at_least), ("most", at_most)].map(|(word, bound)| {
                         bound.map_or(String::new(), |x| format!(", at {word} {}", short(x)))
                     });
-                    format!("{}: {}{}", bounded.quantity, short(bounded.value), limits.concat())
+                    format!("{quantity}: {}{}", short(*value), limits.concat())
                 };
                 let failed = (*failed > 0).then(|| format!("{failed} paths failed"));
-                let words = quantities.iter().map(bounded).chain(failed);
-                words.collect::<Vec<_>>().join("; ")
+                quantities.iter().map(bounded).chain(failed).collect::<Vec<_>>().join("; ")
             }
             Self::Undecided { reason } => reason.clone(),
         }

@@ -9,10 +9,13 @@
 //! On one finest step, ∫g dW = ḡΔW + √v ξ with the mean ḡ of g there, v = ∫(g − ḡ)² and a standard
 //! normal ξ independent of ΔW. Hence S along a path has no error of time-stepping.
 
+use std::{array::from_fn, f64::consts::PI};
+
 use dgrad::Rule;
 use mc::TimeChange;
-use real::{Row, WIDTH, elementary};
-use systems::{Damping, PoissonSystem, Problem, paper::valid, vector_field};
+use systems::vector_field;
+
+use crate::*;
 
 /// The random time S of the exact solution, along a path or in law.
 pub struct RandomTime<'a, G> {
@@ -44,10 +47,10 @@ impl<'a, G: Damping> RandomTime<'a, G> {
             elementary::exp(-(self.degree - 1.0) * gamma)
         };
         let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
-        let values: Vec<f64> = nodes.iter().map(|&eta| weight(eta)).collect();
-        let mean: f64 = values.iter().zip(weights).map(|(g, w)| g * w).sum();
-        let square = |(g, w): (&f64, &f64)| (g - mean) * (g - mean) * w;
-        (mean, values.iter().zip(weights).map(square).sum::<f64>() * self.tau)
+        let values: [f64; NODES] = from_fn(|i| weight(nodes[i]));
+        let average = |values: [f64; NODES]| values.iter().zip(weights).map(|(g, w)| g * w).sum();
+        let mean: f64 = average(values);
+        (mean, average(values.map(|g| (g - mean) * (g - mean))) * self.tau)
     }
 
     /// Mean and variance of the Gaussian variable S over `steps` finest steps.
@@ -88,29 +91,20 @@ const COLUMNS: [u32; 5] = [2, 4, 6, 8, 10];
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, mut y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0);
     for _ in 0..steps as u32 {
-        y = extrapolated(system, y, s / steps);
-    }
-    y
-}
-
-/// Takes one extrapolated step of length h. The error of each column is a series in the square of
-/// its step.
-fn extrapolated<S: PoissonSystem<D, 1>, const D: usize>(
-    system: &S,
-    y: [f64; D],
-    h: f64,
-) -> [f64; D] {
-    let mut columns = COLUMNS.map(|n| modified_midpoint(system, y, h, n));
-    for k in 1..COLUMNS.len() {
-        for j in (k..COLUMNS.len()).rev() {
-            let ratio = f64::from(COLUMNS[j]) / f64::from(COLUMNS[j - k]);
-            let weight = 1.0 / (ratio * ratio - 1.0);
-            for i in 0..D {
-                columns[j][i] += (columns[j][i] - columns[j - 1][i]) * weight;
+        // The error of each column is a series in the square of its step.
+        let mut columns = COLUMNS.map(|n| modified_midpoint(system, y, s / steps, n));
+        for k in 1..COLUMNS.len() {
+            for j in (k..COLUMNS.len()).rev() {
+                let ratio = f64::from(COLUMNS[j]) / f64::from(COLUMNS[j - k]);
+                let weight = 1.0 / (ratio * ratio - 1.0);
+                for i in 0..D {
+                    columns[j][i] += (columns[j][i] - columns[j - 1][i]) * weight;
+                }
             }
         }
+        y = columns[COLUMNS.len() - 1];
     }
-    columns[COLUMNS.len() - 1]
+    y
 }
 
 /// Takes n steps h/n of the midpoint rule, n even, with Gragg's smoothing at the end.
@@ -122,13 +116,12 @@ fn modified_midpoint<S: PoissonSystem<D, 1>, const D: usize>(
 ) -> [f64; D] {
     let step = h / f64::from(n);
     let change = |y: [f64; D], length: f64| vector_field(system, y, length, [0.0]);
-    let plus = |a: [f64; D], b: [f64; D]| std::array::from_fn::<f64, D, _>(|i| a[i] + b[i]);
+    let plus = |a: [f64; D], b: [f64; D]| from_fn::<f64, D, _>(|i| a[i] + b[i]);
     let (mut before, mut now) = (y, plus(y, change(y, step)));
     for _ in 1..n {
         (before, now) = (now, plus(before, change(now, 2.0 * step)));
     }
-    let end = plus(before, change(now, step));
-    std::array::from_fn(|i| 0.5 * (now[i] + end[i]))
+    plus(now, plus(before, change(now, step))).map(|sum| 0.5 * sum)
 }
 
 /// Expectation E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one
@@ -142,8 +135,10 @@ pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     let (mean, variance) = time.law(steps);
     let deviation = variance.sqrt();
     let rule = valid(Rule::new(16));
-    let density = |x: f64| elementary::exp(-0.5 * x * x) / (2.0 * std::f64::consts::PI).sqrt();
-    let integrand = |x: f64| density(x) * phi(solution(problem, mean + deviation * x));
+    let integrand = |x: f64| {
+        let density = elementary::exp(-0.5 * x * x) / (2.0 * PI).sqrt();
+        density * phi(solution(problem, mean + deviation * x))
+    };
     (-9..9).map(|piece| rule.integrate(f64::from(piece), f64::from(piece + 1), integrand)).sum()
 }
 

@@ -1,15 +1,8 @@
 //! Experiments: their conditions and their findings.
 
-use mc::{Problem, Setup, Simulation};
-use noise::{StreamKey, Truncation};
-use schemes::BuiltIn;
-use systems::paper::valid;
+use mc::{Problem, Simulation};
 
-use crate::{
-    Compiled, Curve,
-    results::{Claim, Kind, Panel},
-    streams,
-};
+use crate::*;
 
 /// Conditions of an experiment: seed, size and number.
 pub struct Conditions<'a> {
@@ -70,7 +63,7 @@ pub fn followed(
     let table = valid(Simulation::new(setup.clone(), truncation).path(steps, key, path));
     let components = &table.columns[1..=setup.problem.y0.len()];
     let state = |n: usize| components.iter().map(|component| component.values[n]).collect();
-    table.times().iter().enumerate().map(|(n, &t)| (t, state(n))).collect()
+    (0..).zip(table.times()).map(|(n, t)| (*t, state(n))).collect()
 }
 
 /// Distance |y − x|.
@@ -92,9 +85,10 @@ pub struct Findings {
     pub claims: Vec<Claim>,
 }
 
-impl From<Vec<Claim>> for Findings {
-    fn from(claims: Vec<Claim>) -> Self {
-        Self { claims, panels: Vec::new() }
+impl Findings {
+    /// Claims without a figure.
+    pub fn of(claims: impl IntoIterator<Item = Claim>) -> Self {
+        Self { claims: claims.into_iter().collect(), panels: Vec::new() }
     }
 }
 
@@ -107,7 +101,6 @@ pub type Experiment = (&'static [&'static str], fn(&Conditions<'_>) -> Findings)
 pub type Words = [&'static str; 3];
 
 /// The paper's systems and their parameters in words.
-pub const PENDULUM: &str = "pendulum, c = 1";
 pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
 pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
 pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
@@ -119,8 +112,8 @@ pub const TRUNCATED: &str = "increments truncated with k = 4";
 
 /// Creates a panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
 pub fn panel(words: Words, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
-    let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
-    let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());
+    let start: Vec<_> = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string()).collect();
+    let (start, damping) = (start.join(", "), problem.damping.describe());
     let (t_end, [title, system, paper]) = (problem.t_end, words);
     Panel {
         id: id.into(),

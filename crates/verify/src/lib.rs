@@ -49,11 +49,31 @@ mod verdict;
 pub use altered::altered;
 pub use compiled::{Compiled, Curve};
 pub use experiment::{Conditions, Experiment, Findings, truncation};
-use experiment::{TRUNCATED, TRUNCATION_ORDER, Words};
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
+
+// The names that experiments share.
+use analysis::{FinalMoments, worse};
+use conformal_law::{along, largest_defect};
+use experiment::*;
+use kernels::Tuned;
+use mc::{Ladder, Observable, Run, Setup, View};
+use noise::{StepNoise, StreamKey, Truncation, WienerPath};
+use panels::{
+    phi,
+    strong::{StrongPanel, power_of_half},
+};
+use real::{Row, WIDTH, elementary};
+use results::*;
+use runge_kutta::runge_kutta;
+use schemes::{BuiltIn, Step};
+use stats::{CrossMoments, Expansion};
+use systems::{
+    Damping, PoissonSystem, Problem,
+    paper::{self, rigid_body_three_noises, valid},
+};
 
 /// The examples of the README, compiled and run with the other examples.
 #[cfg(doctest)]

@@ -1,12 +1,8 @@
 //! Runs experiments and collects their results.
 
-use std::{collections::BTreeMap, time::Instant};
+use std::time::Instant;
 
-use crate::{
-    Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS,
-    results::{Provenance, Results, SCHEMA},
-    streams,
-};
+use crate::*;
 
 /// Identifiers of the panels and statements that experiments make.
 pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
@@ -20,14 +16,8 @@ pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
 /// Seed, mode, threads and timings by id are filled in as provenance; the caller fills in the rest.
 pub fn reproduce(seed: u64, quick: bool, only: &[&str]) -> Results {
     let mode = if quick { "quick" } else { "paper" };
-    let mut results = Results {
-        schema: SCHEMA,
-        provenance: Provenance::of_run(seed, mode),
-        panels: Vec::new(),
-        supplements: Vec::new(),
-        claims: Vec::new(),
-    };
-    let mut wall_s_by_id = BTreeMap::new();
+    let provenance = Provenance::of_run(seed, mode);
+    let mut results = Results { schema: SCHEMA, provenance, ..Results::default() };
     let families = [
         (streams::PANELS, EXPERIMENTS, &mut results.panels),
         (streams::STATEMENTS, STATEMENTS, &mut Vec::new()),
@@ -50,9 +40,9 @@ pub fn reproduce(seed: u64, quick: bool, only: &[&str]) -> Results {
             found.claims.retain(|claim| !other(&claim.panel));
             panels.extend(found.panels);
             results.claims.extend(found.claims);
-            wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
+            let seconds = start.elapsed().as_secs_f64();
+            results.provenance.wall_s_by_id.insert(names, seconds);
         }
     }
-    results.provenance.wall_s_by_id = wall_s_by_id;
     results
 }

@@ -45,7 +45,7 @@ pub use crate::verdict::{ORDER_MARGIN, Verdict, order_verdict};
 pub const SCHEMA: u32 = 2;
 
 /// Results of a whole run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Results {
     /// Version of the contract, [`SCHEMA`].
     pub schema: u32,
@@ -59,6 +59,13 @@ pub struct Results {
     pub supplements: Vec<Panel>,
     /// The statements of the paper, each with a verdict.
     pub claims: Vec<Claim>,
+}
+
+impl Results {
+    /// The panels, then the supplements.
+    pub fn figures(&self) -> impl Iterator<Item = &Panel> {
+        self.panels.iter().chain(&self.supplements)
+    }
 }
 
 /// One figure of the paper.

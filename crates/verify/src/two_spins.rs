@@ -1,7 +1,9 @@
 //! Two classical spins in a fluctuating magnetic field, compiled.
 
 use real::Real;
-use systems::{Damping, ImplicitStep, Invariant, PoissonSystem, Problem, paper::valid};
+use systems::{ImplicitStep, Invariant};
+
+use crate::*;
 
 /// Two spins with y = (s₁, s₂), B(y)v = (s₁ × v₁, s₂ × v₂), H₀ = −J s₁·s₂ − ½K Σ (sᵢᶻ)², and the
 /// same field on both, Hₘ = −σ(s₁ᵐ + s₂ᵐ) for m = x, y, z.

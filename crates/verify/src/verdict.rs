@@ -1,7 +1,8 @@
 //! Verdicts, and the rule by which an order holds.
 
 use serde::Serialize;
-use stats::Rate;
+
+use crate::*;
 
 /// The answer to a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

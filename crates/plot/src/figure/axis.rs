@@ -2,6 +2,8 @@
 
 use real::elementary::{ln, log10, powf};
 
+use super::*;
+
 /// The range of values an axis covers, `lo < hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -10,6 +12,9 @@ pub struct Range {
     /// Largest value.
     pub hi: f64,
 }
+
+/// The range of an axis without data.
+pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
 /// Magnitudes beyond which values are left to the clipping: sums or products with a margin could
 /// leave the range of `f64`.
@@ -74,6 +79,29 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// A linear axis that is not yet laid over the page.
+    pub fn linear(range: Range) -> Self {
+        Self { logarithmic: false, range, start: 0.0, end: 0.0 }
+    }
+
+    /// A linear axis of values, widened by `share` of its length at both ends.
+    pub fn of(values: impl IntoIterator<Item = f64>, share: f64) -> Self {
+        Self::linear(Range::of(values, UNIT).padded(share))
+    }
+
+    /// The axis laid over a stretch of the page.
+    pub fn over(self, start: f64, end: f64) -> Self {
+        Self { start, end, ..self }
+    }
+
+    /// Marks of the axis, about `most` of them.
+    pub fn ticks(&self, most: usize) -> Ticks {
+        match self.logarithmic {
+            true if self.range.hi >= 100.0 * self.range.lo => Ticks::decades(self.range, most),
+            _ => Ticks::decimal(self.range, most),
+        }
+    }
+
     /// Position of a value on the page; a value that is not positive sits at the start of a
     /// logarithmic axis.
     pub fn position(&self, value: f64) -> f64 {

@@ -1,10 +1,7 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 
-use super::look::Look;
-use crate::{
-    escape,
-    label::{Label, SCRIPT_SIZE},
-};
+use super::*;
+use crate::{escape, label::SCRIPT_SIZE};
 
 /// A place on the page in CSS pixels, from the upper left corner.
 pub type Position = (f64, f64);
@@ -67,8 +64,8 @@ fn grid(length: f64) -> i32 {
 }
 
 fn list(points: &[Position]) -> String {
-    let points = points.iter().map(|(x, y)| format!("{},{}", grid(*x), grid(*y)));
-    points.collect::<Vec<_>>().join(" ")
+    let points: Vec<_> = points.iter().map(|(x, y)| format!("{},{}", grid(*x), grid(*y))).collect();
+    points.join(" ")
 }
 
 impl Canvas {
@@ -77,28 +74,24 @@ impl Canvas {
     pub fn page(self, (width, height): Position, title: &str) -> String {
         // 96 pixels are an inch.
         let [wide, high] = [width, height].map(|length| length * 2.54 / 96.0);
-        let size = format!(r#"width="{wide:.2}cm" height="{high:.2}cm""#);
-        let view = format!(r#"viewBox="0 0 {} {}""#, grid(width), grid(height));
-        // With mitred joints a noisy curve would turn into needles.
-        let joints = r#"stroke-linejoin="round" stroke-linecap="round""#;
+        let [width, height] = [width, height].map(grid);
         let (title, elements) = (escape(title), self.elements.join("\n"));
+        // With mitred joints a noisy curve would turn into needles.
         format!(
-            r##"<svg xmlns="http://www.w3.org/2000/svg" role="img" {size} {view} {joints}>
-<title>{title}</title>
-<rect width="100%" height="100%" fill="#fff"/>
-{elements}
-</svg>
-"##
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{wide:.2}cm\" \
+             height=\"{high:.2}cm\" viewBox=\"0 0 {width} {height}\" \
+             stroke-linejoin=\"round\" stroke-linecap=\"round\">\n<title>{title}</title>\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{elements}\n</svg>\n"
         )
     }
 
-    /// Clips a drawing to the box between two corners.
-    pub fn clipped(&mut self, from: Position, to: Position, draw: impl FnOnce(&mut Self)) {
+    /// Draws the part of a line that lies in the box between two corners.
+    pub fn clipped(&mut self, from: Position, to: Position, points: &[Position], stroke: Stroke) {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(grid);
         self.elements.push(format!(
             r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#
         ));
-        draw(self);
+        self.polyline(points, stroke);
         self.elements.push("</svg>".into());
     }
 
@@ -108,45 +101,47 @@ impl Canvas {
         // Round line ends shorten what is seen of a gap.
         let dashes = if dashed { r#" stroke-dasharray="80 64""# } else { "" };
         let width = grid(width);
-        let paint = format!(r#"opacity="{opacity}" stroke="{color}" stroke-width="{width}""#);
         let runs = points.split(|(x, y)| !(x.is_finite() && y.is_finite()));
         self.elements.extend(runs.filter(|run| run.len() > 1).map(|run| {
-            format!(r#"<polyline fill="none" {paint}{dashes} points="{}"/>"#, list(run))
+            format!(
+                "<polyline fill=\"none\" opacity=\"{opacity}\" stroke=\"{color}\" \
+                 stroke-width=\"{width}\"{dashes} points=\"{}\"/>",
+                list(run)
+            )
         }));
     }
 
     /// Draws an area without a border.
     pub fn area(&mut self, corners: &[Position], color: Color, opacity: f64) {
-        let points = list(corners);
-        let opacity = (100.0 * opacity).round() / 100.0;
-        let area = format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#);
-        self.elements.push(area);
+        let (points, opacity) = (list(corners), (100.0 * opacity).round() / 100.0);
+        self.elements
+            .push(format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#));
     }
 
     /// Draws boxes of one size, each given by the middle of its left side, as strokes, which take
     /// half the text of outlines.
     pub fn boxes(&mut self, boxes: &[Position], size: Position, color: Color, opacity: f64) {
         let (width, height) = (grid(size.0), grid(size.1));
-        let path = boxes.iter().map(|(x, y)| format!("M{} {}h{width}", grid(*x), grid(*y)));
-        let path = path.collect::<String>();
-        let paint = format!(r#"stroke="{color}" stroke-width="{height}" opacity="{opacity:.3}""#);
+        let path: String =
+            boxes.iter().map(|(x, y)| format!("M{} {}h{width}", grid(*x), grid(*y))).collect();
         self.elements.push(format!(
-            r#"<path shape-rendering="crispEdges" stroke-linecap="butt" {paint} d="{path}"/>"#
+            "<path shape-rendering=\"crispEdges\" stroke-linecap=\"butt\" stroke=\"{color}\" \
+             stroke-width=\"{height}\" opacity=\"{opacity:.3}\" d=\"{path}\"/>"
         ));
     }
 
     /// Draws a marker; a hollow one shows the paper inside.
-    pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
+    pub fn marker(&mut self, at: Position, look: Look, radius: f64) {
         let shape = if look.marker.is_empty() {
             let [x, y, r] = [at.0, at.1, radius].map(grid);
             format!(r#"circle cx="{x}" cy="{y}" r="{r}""#)
         } else {
-            let corner = |(x, y): &Position| (at.0 + radius * x, at.1 + radius * y);
-            let corners: Vec<_> = look.marker.iter().map(corner).collect();
+            let corners = look.marker.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
+            let corners: Vec<_> = corners.collect();
             format!(r#"polygon points="{}""#, list(&corners))
         };
         let color = look.color;
-        self.elements.push(match hollow {
+        self.elements.push(match look.hollow() {
             true => format!(r##"<{shape} fill="#FFFFFF" stroke="{color}" stroke-width="22"/>"##),
             false => format!(r#"<{shape} fill="{color}"/>"#),
         });
@@ -162,10 +157,11 @@ impl Canvas {
             Align::Right => ("end", 0),
             Align::Upward => ("middle", 270),
         };
-        let turn = format!(r#"transform="rotate({turn}, {x}, {y})""#);
-        let place = format!(r#"x="{x}" y="{y}" dy="0.5ex" text-anchor="{anchor}" {turn}"#);
-        let font = format!(r#"font-family="sans-serif" font-size="{size}" fill="{INK}""#);
-        self.elements.push(format!("<text {place} {font}>{text}</text>"));
+        self.elements.push(format!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
+             transform=\"rotate({turn}, {x}, {y})\" font-family=\"sans-serif\" \
+             font-size=\"{size}\" fill=\"{INK}\">{text}</text>"
+        ));
     }
 }
 

@@ -1,12 +1,6 @@
 //! Numbers as colours of cells: joint laws, and lattices at several times.
 
-use super::{
-    axis::{Axis, Range},
-    canvas::Canvas,
-    frame::{Frame, Plain, RIGHT, UNIT, small},
-    look::{BLUE, VERMILLION},
-    ticks::Ticks,
-};
+use super::*;
 
 /// Shades of a colour.
 const SHADES: usize = 12;
@@ -24,12 +18,11 @@ fn draw(canvas: &mut Canvas, frame: &Frame, columns: usize, values: &[f64]) {
     };
     let shade = |x: f64| (SHADES as f64 * x.abs() / largest).ceil().min(SHADES as f64);
     for (color, sign) in [(BLUE, 1.0), (VERMILLION, -1.0)] {
-        for level in 1..=SHADES {
-            let of_level = |x: f64| x * sign > 0.0 && shade(x) == level as f64;
-            let boxes = values.iter().enumerate().filter(|(_, x)| of_level(**x));
-            let boxes: Vec<_> = boxes.map(|(k, _)| place(k)).collect();
+        for level in (1..=SHADES).map(|level| level as f64) {
+            let of_level = |k: &usize| values[*k] * sign > 0.0 && shade(values[*k]) == level;
+            let boxes: Vec<_> = (0..values.len()).filter(of_level).map(place).collect();
             if !boxes.is_empty() {
-                canvas.boxes(&boxes, (width, height), color, level as f64 / SHADES as f64);
+                canvas.boxes(&boxes, (width, height), color, level / SHADES as f64);
             }
         }
     }
@@ -43,9 +36,8 @@ pub fn picture(
     columns: usize,
     values: &[f64],
 ) -> String {
-    let range = |(lo, hi)| Range { lo, hi };
-    let mut plain =
-        Plain::new([], 230.0, (range(x), Some(x_title.into())), (range(y), y_title.into()));
+    let [x, y] = [x, y].map(|(lo, hi)| Axis::linear(Range { lo, hi }));
+    let mut plain = Plain::new([], 230.0, (x, Some(x_title)), (y, y_title));
     draw(&mut plain.canvas, &plain.frame, columns, values);
     plain.page(title, values.is_empty())
 }
@@ -69,29 +61,12 @@ fn means(columns: usize, values: &[f64], side: usize) -> Vec<f64> {
 pub fn strip(title: &str, columns: usize, pictures: &[(String, Vec<f64>)]) -> String {
     let rows = pictures.first().map_or(1, |(_, values)| values.len().div_ceil(columns.max(1)));
     let height = |width: f64| width * rows as f64 / columns.max(1) as f64;
-    small(title, pictures, (RIGHT, RIGHT), height, |canvas, _, [left, right, top], values| {
-        let axis = |start, end| Axis { logarithmic: false, range: UNIT, start, end };
-        let (x, y) = (axis(left, right), axis(top + height(right - left), top));
-        let frame = Frame { x, y };
-        let side = (NARROWEST * columns as f64 / (right - left)).ceil().max(1.0) as usize;
+    let axes = [Axis::linear(UNIT); 2];
+    small(title, pictures, axes, (RIGHT, RIGHT), height, |canvas, frame, _, values| {
+        let width = frame.x.end - frame.x.start;
+        let side = (NARROWEST * columns as f64 / width).ceil().max(1.0) as usize;
         draw(canvas, &frame, columns.div_ceil(side), &means(columns, values, side));
         let none = (&Ticks::default(), None);
         frame.draw(canvas, none, none);
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn narrow_cells_are_drawn_as_means_of_squares() {
-        // Three columns and two rows in squares of two.
-        assert_eq!(means(3, &[1.0, 2.0, 5.0, 3.0, 6.0, 7.0], 2), [3.0, 6.0]);
-        assert_eq!(means(2, &[1.0, 2.0, 3.0, 4.0], 1), [1.0, 2.0, 3.0, 4.0]);
-        let plane = |n: usize| strip("", n, &[(String::new(), vec![1.0; n * n])]);
-        let boxes = |n| plane(n).matches('M').count();
-        // One picture is as wide as the page.
-        assert_eq!([boxes(64), boxes(256)], [64 * 64, 128 * 128]);
-    }
 }

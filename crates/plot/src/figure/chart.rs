@@ -4,15 +4,8 @@
 use real::elementary::{exp, ln, powf};
 use std::collections::{HashMap, HashSet};
 
-use super::{
-    axis::{Axis, Range},
-    canvas::{Align, Canvas, GREY, INK, Stroke},
-    frame::{BELOW, Frame, RIGHT},
-    legend::{Sample, legend},
-    look::{self, CIRCLE, Layer, Look},
-    ticks::Ticks,
-};
-use crate::{label::Label, series::QUANTILE};
+use super::*;
+use crate::series::QUANTILE;
 
 /// A measured point with its 95 % interval, which may be empty.
 #[derive(Clone, Copy, Debug)]
@@ -89,16 +82,15 @@ impl Measured {
 impl Curve {
     /// Creates a curve from the points that can be drawn: x positive, x and y finite.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
-        let drawn = |p: &Measured| p.x > 0.0 && p.x.is_finite() && p.y.is_finite();
-        let points = points.into_iter().filter(drawn).collect();
-        Self { name: name.into(), note: String::new(), points }
+        let points = points.into_iter().filter(|p| p.x > 0.0 && p.x.is_finite() && p.y.is_finite());
+        Self { name: name.into(), note: String::new(), points: points.collect() }
     }
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
     pub fn trend(&self) -> Vec<(f64, f64)> {
-        let clear = |point: &&Measured| point.ends().0 > 0.0;
-        let all = !self.points.iter().any(|point| clear(&point));
-        let shown = self.points.iter().filter(|p| if all { p.y.abs() > 0.0 } else { clear(p) });
+        let clear = |point: &Measured| point.ends().0 > 0.0;
+        let any = self.points.iter().any(clear);
+        let shown = self.points.iter().filter(|p| if any { clear(p) } else { p.y.abs() > 0.0 });
         shown.map(|point| (point.x, point.y.abs())).collect()
     }
 }
@@ -142,18 +134,18 @@ impl Figure {
         let mut seen = HashSet::new();
         names.retain(|name| seen.insert(*name));
         let signed = self.signed;
-        let looks = if signed { look::of_quantities(&names) } else { look::of_schemes(&names) };
+        let looks = if signed { of_quantities(names.len()) } else { of_schemes(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
-        let entry = |name: &&str| {
+        let entries = names.iter().map(|name| {
             let label = if signed { Label::new(name) } else { Label::words(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
             let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
             (Sample::Curve(looks[name]), Label { tail, ..label })
-        };
+        });
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
             (Sample::Point(Look { color: INK, marker: CIRCLE, layer }), Label::words(words))
         });
-        let entries = names.iter().map(entry).chain(signs.into_iter().filter(|_| signed));
+        let entries = entries.chain(signs.into_iter().filter(|_| signed));
         let width = self.plots.len().max(1) as f64 * (WIDTH + BETWEEN) - BETWEEN;
         let mut canvas = Canvas::default();
         let top = legend(&mut canvas, entries, LEFT, width);
@@ -168,8 +160,7 @@ impl Figure {
             let frame = Frame { x: axis(range, start, start + WIDTH), y };
             let x =
                 if plot.decades { Ticks::decades(range, 7) } else { Ticks::powers(2, range, 8) };
-            let y_title = (n == 0).then_some(&*self.y_title);
-            let y = (&Ticks::decades(y.range, 7), y_title);
+            let y = (&Ticks::decades(y.range, 7), (n == 0).then_some(&*self.y_title));
             frame.draw(&mut canvas, (&x, Some(&plot.x_title)), y);
             self.lines.iter().for_each(|line| line.draw(&mut canvas, &frame));
             plot.draw(&mut canvas, &frame, &looks, signed);
@@ -223,9 +214,9 @@ impl Plot {
             };
             let places: Vec<_> = curve.points.iter().map(place).collect();
             let (width, opacity) = if signed { (0.8, 0.45) } else { (1.2, 1.0) };
-            let line = look.line(width);
-            let opacity = opacity * line.opacity;
-            frame.polyline(canvas, &places, Stroke { opacity, ..line });
+            let mut line = look.line(width);
+            line.opacity *= opacity;
+            frame.polyline(canvas, &places, line);
             let bar = Stroke::new(look.color, 1.0);
             for (point, at) in curve.points.iter().zip(places) {
                 // Where an interval reaches zero or leaves the frame it ends at the border,
@@ -240,7 +231,9 @@ impl Plot {
                         }
                     }
                 }
-                canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
+                let negative = signed && point.y < 0.0;
+                let layer = if negative { Layer::Under } else { look.layer };
+                canvas.marker(at, Look { layer, ..look }, radius);
             }
         }
         if self.points().next().is_none() {

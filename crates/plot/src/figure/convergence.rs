@@ -3,11 +3,8 @@
 use real::elementary::{ln, powf};
 use stats::{Point, Rate};
 
-use super::chart::{Curve, Figure, Line, Measured, Plot};
-use crate::{
-    Kind, Series,
-    series::{QUANTILE, main_quantity},
-};
+use super::*;
+use crate::series::{Kind, QUANTILE, Series, main_quantity};
 
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy, as
 /// an SVG document.
@@ -34,32 +31,30 @@ use crate::{
 pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
     let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
     let quantity = main_quantity(series);
-    let drawn = || series.iter().filter(|s| weak || s.quantity == quantity);
-    let rate = |series: &Series| series.rate.clone().filter(|rate| rate.estimate.is_finite());
-    let curve = |series: &Series| {
+    let (mut curves, mut trends) = (Vec::new(), Vec::new());
+    for series in series.iter().filter(|s| weak || s.quantity == quantity) {
+        let rate = series.rate.as_ref().filter(|rate| rate.estimate.is_finite());
         let name = if weak { &series.quantity } else { &series.scheme };
-        let note = rate(series).as_ref().map_or(String::new(), order);
-        Curve { note, ..Curve::new(name, series.points.iter().filter_map(measured)) }
-    };
-    let trends = drawn().filter(|_| !cost).map(|series| {
-        let (points, rate) = (curve(series).trend(), rate(series));
-        let fitted = || rate.as_ref().map_or_else(|| overall_order(&points), |rate| rate.estimate);
+        let mut curve = Curve::new(name, series.points.iter().filter_map(measured));
+        curve.note = rate.map(order).unwrap_or_default();
+        let points = curve.trend();
+        let fitted = rate.map_or_else(|| overall_order(&points), |rate| rate.estimate);
         // Intervals of weak orders are too wide to choose between slopes 1/2 and 1.
         let order = match weak {
-            true if rate.as_ref().is_some_and(|rate| rate.lo > 1.5) => 2.0,
-            false if fitted() < 0.75 => 0.5,
+            true if rate.is_some_and(|rate| rate.lo > 1.5) => 2.0,
+            false if fitted < 0.75 => 0.5,
             _ => 1.0,
         };
-        (order, points)
-    });
+        trends.push((order, points));
+        curves.push(curve);
+    }
     let (x_title, y_title) = match kind {
         Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".into()),
         Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
-    let (x_title, curves) = (x_title.into(), drawn().map(curve).collect());
-    let plots = vec![Plot { x_title, decades: cost, curves }];
-    let lines = reference_slopes(&trends.collect::<Vec<_>>());
+    let plots = vec![Plot { x_title: x_title.into(), decades: cost, curves }];
+    let lines = if cost { Vec::new() } else { reference_slopes(&trends) };
     Figure { title: title.into(), y_title, signed: weak, lines, plots }.svg()
 }
 

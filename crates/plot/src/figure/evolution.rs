@@ -3,19 +3,8 @@
 
 use stats::Point;
 
-use super::{
-    axis::{Axis, Range},
-    canvas::{INK, Stroke},
-    frame::{Frame, Plain, UNIT},
-    legend::Sample,
-    look,
-    ticks::Ticks,
-};
-use crate::{
-    Series,
-    label::Label,
-    series::{main_quantity, relative_defect},
-};
+use super::*;
+use crate::series::{Series, main_quantity, relative_defect};
 
 /// Value at which a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest nonzero defect of
 /// a floating-point number.
@@ -30,24 +19,24 @@ const BETWEEN: f64 = 10.0;
 pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
-    let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
+    let names: Vec<&str> = drawn.iter().map(|series| &*series.scheme).collect();
+    let looks = of_schemes(&names);
     // Times, values and laws.
     let point = |point: &Point| match *point {
         Point::Value { t, value, exact } if t.is_finite() => Some([t, value, exact]),
         _ => None,
     };
-    let points = |series: &&Series| series.points.iter().filter_map(point).collect::<Vec<_>>();
-    let curves: Vec<_> = drawn.iter().map(points).collect();
+    let curves = drawn.iter().map(|series| series.points.iter().filter_map(point).collect());
+    let curves: Vec<Vec<_>> = curves.collect();
     let all = || curves.iter().flatten();
     let defect = |[_, value, law]: [f64; 3]| relative_defect(value, law);
 
     let law = Stroke::new(INK, 0.7);
-    let names = drawn.iter().map(|series| Label::words(&series.scheme));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
-    let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
-    let times = Range::of(all().map(|p| p[0]), UNIT).padded(0.0);
-    let mut plain =
-        Plain::new(entries, VALUE_HEIGHT, (times, None), (value_range(&curves), quantity.into()));
+    let entries = entries.chain([(Sample::Line(law), "conformal law")]);
+    let times = Axis::of(all().map(|p| p[0]), 0.0);
+    let y = (Axis::linear(value_range(&curves)), quantity);
+    let mut plain = Plain::new(entries, VALUE_HEIGHT, (times, None), y);
     let values = plain.frame;
     let largest = Range::of_positive(all().map(|p| defect(*p)), UNIT).hi;
     let range = Range { lo: 0.4 * FLOOR, hi: (4.0 * largest).max(1e-14) };
@@ -59,7 +48,7 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     ticks.major.retain(|(value, _)| *value > 20.0 * FLOOR);
     ticks.minor.retain(|value| *value > 2.0 * FLOOR);
     ticks.major.push((FLOOR, Label::words("0")));
-    let x = (&Ticks::decimal(times, 6), Some("time t"));
+    let x = (&times.ticks(6), Some("time t"));
     defects.draw(&mut plain.canvas, x, (&ticks, Some("relative defect")));
     plain.frame = defects;
     let canvas = &mut plain.canvas;
@@ -71,17 +60,17 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
         // About ten markers, which no two curves carry at the same times.
         let stride = (curve.len() / 10).max(1);
         let first = (n * stride / 3 + stride / 6) % stride;
-        let path: Vec<_> = curve.iter().map(|p| values.place(p[0], p[1])).collect();
+        let path = values.places(curve.iter().map(|p| (p[0], p[1])));
         for (frame, path) in [(values, path), (defects, curve.iter().map(floored).collect())] {
             frame.polyline(canvas, &path, look.line(1.1));
             for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
-                canvas.marker(*at, look, look.radius(2.6), look.hollow());
+                canvas.marker(*at, look, look.radius(2.6));
             }
         }
     }
     // The law is drawn last and thin, so that it stays visible on the curves that follow it.
     let longest = curves.iter().max_by_key(|curve| curve.len()).into_iter().flatten();
-    let path: Vec<_> = longest.map(|p| values.place(p[0], p[2])).collect();
+    let path = values.places(longest.map(|p| (p[0], p[2])));
     values.polyline(canvas, &path, law);
     if path.is_empty() {
         values.say(canvas, "no data");

@@ -1,12 +1,6 @@
 //! The box of a plot with its axes, marks and titles, and a page with one box under a legend.
 
-use super::{
-    axis::{Axis, Range},
-    canvas::{Align, Canvas, FAINT, INK, Position, Stroke},
-    legend::{Sample, legend},
-    ticks::Ticks,
-};
-use crate::label::Label;
+use super::*;
 
 /// Font size of tick labels in pixels.
 const TICK_SIZE: f64 = 10.0;
@@ -32,6 +26,11 @@ impl Frame {
         (self.x.position(x), self.y.position(y))
     }
 
+    /// Positions of points on the page.
+    pub fn places(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<Position> {
+        points.into_iter().map(|(x, y)| self.place(x, y)).collect()
+    }
+
     /// Whether a position lies in the box, borders included, in spite of rounding.
     pub fn holds(&self, (x, y): Position) -> bool {
         const ROUNDING: f64 = 1e-6;
@@ -42,7 +41,7 @@ impl Frame {
     /// Draws the part of a line that lies in the box.
     pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
         let (from, to) = ((self.x.start, self.y.end), (self.x.end, self.y.start));
-        canvas.clipped(from, to, |canvas| canvas.polyline(points, stroke));
+        canvas.clipped(from, to, points, stroke);
     }
 
     /// Draws grid, marks, border and labels, the title of the horizontal axis below the labels and
@@ -68,10 +67,11 @@ impl Frame {
             }
         }
         for (ticks, place, _) in sides {
-            let major = ticks.major.iter().map(|(value, _)| (*value, 3.5));
-            for (value, length) in major.chain(ticks.minor.iter().map(|value| (*value, 2.0))) {
+            let mut mark = |value, length| {
                 canvas.polyline(&[place(value, 0.0), place(value, length)], ink);
-            }
+            };
+            ticks.major.iter().for_each(|(value, _)| mark(*value, 3.5));
+            ticks.minor.iter().for_each(|value| mark(*value, 2.0));
         }
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
         canvas.polyline(&corners, ink);
@@ -109,15 +109,16 @@ fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
     canvas.label(&Label::words(words), at, 10.5, align);
 }
 
-/// A page of small plots in rows of three as an SVG document, each with its name above it. They
-/// leave room on the left and below, and have a height that follows from their width. `draw` gets
-/// the number of a plot and those in a row, its left, right and upper end, and its data.
+/// A page of small plots over the same axes in rows of three as an SVG document, each with its name
+/// above it. They leave room on the left and below, and have a height that follows from their
+/// width. `draw` gets the box of a plot, its number and those in a row, and its data.
 pub fn small<T>(
     title: &str,
     plots: &[(String, T)],
+    [x, y]: [Axis; 2],
     (left, below): (f64, f64),
     height: impl Fn(f64) -> f64,
-    draw: impl Fn(&mut Canvas, (usize, usize), [f64; 3], &T),
+    draw: impl Fn(&mut Canvas, Frame, (usize, usize), &T),
 ) -> String {
     let columns = ACROSS.min(plots.len()).max(1);
     let width = (WIDTH - left - RIGHT + GAP) / columns as f64 - GAP;
@@ -125,8 +126,9 @@ pub fn small<T>(
     let mut canvas = Canvas::default();
     for (k, (name, data)) in plots.iter().enumerate() {
         let left = left + (width + GAP) * (k % columns) as f64;
-        let top = NAME + pitch * (k / columns) as f64;
-        draw(&mut canvas, (k, columns), [left, left + width, top], data);
+        let (right, top) = (left + width, NAME + pitch * (k / columns) as f64);
+        let y = y.over(top + height(right - left), top);
+        draw(&mut canvas, Frame { x: x.over(left, right), y }, (k, columns), data);
         canvas.label(&Label::words(name), (left + 0.5 * width, top - 7.5), 8.5, Align::Middle);
     }
     let rows = plots.len().div_ceil(columns) as f64;
@@ -137,8 +139,6 @@ pub fn small<T>(
 const WIDTH: f64 = 340.0;
 /// Room for the labels on the left.
 const LEFT: f64 = 52.0;
-/// The range of an axis without data.
-pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
 /// The title of an axis, and whether the axis is logarithmic.
 #[derive(Clone, Copy, Debug)]
@@ -156,25 +156,13 @@ impl<'a> From<&'a str> for Title<'a> {
 }
 
 impl Title<'_> {
-    /// Range of values on the axis, widened by `share` of its length at both ends.
-    pub fn range(&self, values: impl Iterator<Item = f64>, share: f64) -> Range {
-        match self.logarithmic {
-            true => Range::of_positive(values, Range { lo: 0.1, hi: 10.0 }).times(1.1),
-            false => Range::of(values, UNIT).padded(share),
+    /// The axis of values; a linear one is widened by `share` of its length at both ends.
+    pub fn axis(&self, values: impl Iterator<Item = f64>, share: f64) -> Axis {
+        if self.logarithmic {
+            let range = Range::of_positive(values, Range { lo: 0.1, hi: 10.0 }).times(1.1);
+            return Axis { logarithmic: true, ..Axis::linear(range) };
         }
-    }
-
-    /// The axis from and to places on the page.
-    pub fn axis(&self, range: Range, start: f64, end: f64) -> Axis {
-        Axis { logarithmic: self.logarithmic, range, start, end }
-    }
-
-    /// Marks of the axis for a range, about `most` of them.
-    pub fn ticks(&self, range: Range, most: usize) -> Ticks {
-        match self.logarithmic {
-            true if range.hi >= 100.0 * range.lo => Ticks::decades(range, most),
-            _ => Ticks::decimal(range, most),
-        }
+        Axis::of(values, share)
     }
 }
 
@@ -185,30 +173,23 @@ pub struct Plain {
 }
 
 impl Plain {
-    /// Draws legend and axes; each axis has a range and a title, except one above another plot.
-    pub fn new(
-        entries: impl IntoIterator<Item = (Sample, Label)>,
+    /// Draws legend and axes; each axis has a title, except one above another plot.
+    pub fn new<'a>(
+        entries: impl IntoIterator<Item = (Sample, &'a str)>,
         height: f64,
-        (x, x_title): (Range, Option<Title<'_>>),
-        (y, y_title): (Range, Title<'_>),
+        (x, x_title): (Axis, Option<&str>),
+        (y, y_title): (Axis, &str),
     ) -> Self {
         let mut canvas = Canvas::default();
-        let top = legend(&mut canvas, entries.into_iter(), LEFT, WIDTH - LEFT - RIGHT);
-        let of_x = x_title.unwrap_or("".into());
-        let (across, up) = (of_x.axis(x, LEFT, WIDTH - RIGHT), y_title.axis(y, top + height, top));
-        let frame = Frame { x: across, y: up };
-        let x = (&of_x.ticks(x, 6), x_title.map(|title| title.words));
-        frame.draw(&mut canvas, x, (&y_title.ticks(y, 5), Some(y_title.words)));
+        let entries = entries.into_iter().map(|(sample, name)| (sample, Label::words(name)));
+        let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
+        let frame = Frame { x: x.over(LEFT, WIDTH - RIGHT), y: y.over(top + height, top) };
+        frame.draw(&mut canvas, (&x.ticks(6), x_title), (&y.ticks(5), Some(y_title)));
         Self { canvas, frame }
     }
 
-    pub fn places(&self, points: impl IntoIterator<Item = Position>) -> Vec<Position> {
-        points.into_iter().map(|(x, y)| self.frame.place(x, y)).collect()
-    }
-
-    pub fn line(&mut self, points: impl IntoIterator<Item = Position>, stroke: Stroke) {
-        let places = self.places(points);
-        self.frame.polyline(&mut self.canvas, &places, stroke);
+    pub fn line(&mut self, points: impl IntoIterator<Item = (f64, f64)>, stroke: Stroke) {
+        self.frame.polyline(&mut self.canvas, &self.frame.places(points), stroke);
     }
 
     /// Page as an SVG document; an empty page says so.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use real::elementary::sin_cos;
 
-use super::strip;
+use super::*;
 
 /// A projection of the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Projection {
 impl Projection {
     /// Sines of the latitudes of the rows of a picture, from the south on.
     pub fn sines(self, rows: usize) -> Vec<f64> {
-        let row = |k: usize| {
+        let sines = (0..rows).map(|k| {
             let y = (2.0 * k as f64 + 1.0) / rows as f64 - 1.0;
             match self {
                 Self::Equirectangular => sin_cos(FRAC_PI_2 * y).0,
@@ -32,14 +32,14 @@ impl Projection {
                     (theta + y * root) / FRAC_PI_2
                 }
             }
-        };
-        (0..rows).map(row).collect()
+        });
+        sines.collect()
     }
 
     /// A picture from values at even longitudes, row by row from the south.
     fn project(self, columns: usize, values: &[f64]) -> Vec<f64> {
         let rows = values.len() / columns;
-        let pixel = |at: usize| {
+        let pixels = (0..rows * columns).map(|at| {
             let [x, y] = [(at % columns, columns), (at / columns, rows)]
                 .map(|(k, of)| (2.0 * k as f64 + 1.0) / of as f64 - 1.0);
             let part = match self {
@@ -48,8 +48,8 @@ impl Projection {
             };
             let column = (0.5 * (part + 1.0) * columns as f64).floor();
             if part.abs() < 1.0 { values[at / columns * columns + column as usize] } else { 0.0 }
-        };
-        (0..rows * columns).map(pixel).collect()
+        });
+        pixels.collect()
     }
 }
 

@@ -5,16 +5,7 @@ use std::iter::zip;
 
 use real::elementary;
 
-use super::{
-    axis::Range,
-    canvas::{Canvas, Color, INK, Stroke},
-    frame::{BELOW, Frame, Plain, Title, UNIT, small},
-    legend::{Sample, of_curves},
-    look::BLUE,
-    sweep::Sampled,
-    ticks::Ticks,
-};
-use crate::label::Label;
+use super::*;
 
 /// The colour of bands, bars and median.
 const COLOR: Color = BLUE;
@@ -47,68 +38,61 @@ impl Law {
             return vec![("95 % interval".into(), [lo, hi])];
         }
         let lower = self.quantiles.iter().filter(|(level, _)| *level < 0.5);
-        let band = lower.filter_map(|(level, low)| {
+        let bands = lower.filter_map(|(level, low)| {
             let opposite = |(other, _): &&(f64, Vec<f64>)| (other + level - 1.0).abs() < 1e-9;
             let (other, high) = self.quantiles.iter().find(opposite)?;
             Some((format!("{}–{} %", percent(*level), percent(*other)), [&low[..], high]))
         });
-        band.collect()
+        bands.collect()
     }
 
     fn median(&self) -> Option<&[f64]> {
         self.quantiles.iter().find(|(level, _)| *level == 0.5).map(|(_, values)| &**values)
     }
 
+    /// All values that are drawn.
+    fn shown(&self) -> impl Iterator<Item = f64> {
+        let ends = self.interval.iter().filter(|_| self.quantiles.is_empty());
+        let quantiles = self.quantiles.iter().map(|(_, values)| values);
+        quantiles.chain([&self.mean]).chain(ends).flatten().copied()
+    }
+
     /// Draws bands, median and mean in a frame.
     fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
+        let points = |values| zip(&self.x, values).map(|(x, y): (&f64, &f64)| (*x, *y));
         for (_, [lower, upper]) in self.bands() {
-            let ends: Vec<_> = zip(&self.x, zip(lower, upper)).collect();
+            let ends: Vec<_> = zip(points(lower), points(upper)).collect();
             // Stretches on which both ends are known.
-            let is_known = |(_, (a, b)): &(&f64, (&f64, &f64))| a.is_finite() && b.is_finite();
-            for run in ends.split(|end| !is_known(end)).filter(|run| run.len() > 1) {
-                let lower = run.iter().map(|(x, (a, _))| frame.place(**x, **a));
-                let upper = run.iter().rev().map(|(x, (_, b))| frame.place(**x, **b));
-                canvas.area(&lower.chain(upper).collect::<Vec<_>>(), COLOR, OPACITY);
+            let known = ends.split(|(low, high)| !(low.1.is_finite() && high.1.is_finite()));
+            for run in known.filter(|run| run.len() > 1) {
+                let back = run.iter().rev().map(|(_, high)| *high);
+                let corners = run.iter().map(|(low, _)| *low).chain(back);
+                canvas.area(&frame.places(corners), COLOR, OPACITY);
             }
         }
         let median = self.median().map(|values| (values, MEDIAN));
         for (values, stroke) in median.into_iter().chain([(&*self.mean, MEAN)]) {
-            let places = zip(&self.x, values).map(|(x, y)| frame.place(*x, *y));
-            frame.polyline(canvas, &places.collect::<Vec<_>>(), stroke);
+            frame.polyline(canvas, &frame.places(points(values)), stroke);
         }
     }
-}
-
-/// The ranges of the axis and of the values of laws.
-fn ranges<'a>(
-    laws: impl Iterator<Item = &'a Law> + Clone,
-    x_title: Title<'_>,
-    y_title: Title<'_>,
-) -> [Range; 2] {
-    let shown = laws.clone().flat_map(|law| {
-        let ends = law.interval.iter().filter(|_| law.quantiles.is_empty());
-        law.quantiles.iter().map(|(_, values)| values).chain([&law.mean]).chain(ends).flatten()
-    });
-    let x = x_title.range(laws.flat_map(|law| &law.x).copied(), 0.0);
-    [x, y_title.range(shown.copied(), 0.06)]
 }
 
 /// Figure of a law along an axis as an SVG document: a band between each two quantiles of levels p
 /// and 1 − p, the median and the mean; without quantiles, the band between the ends of the 95 %
 /// intervals. Bands and lines are interrupted where a number is not known.
 pub fn bands<'a>(title: &str, x_title: &str, y_title: impl Into<Title<'a>>, law: &Law) -> String {
-    let (x_title, y_title) = (Title::from(x_title), y_title.into());
-    let area = |(n, (name, _)): (usize, (String, _))| {
-        let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n as i32 + 1);
-        (Sample::Area(COLOR, opacity), Label::words(&name))
-    };
+    let (y_title, bands) = (y_title.into(), law.bands());
+    let mut entries = Vec::new();
+    for (n, (name, _)) in (1..).zip(&bands) {
+        let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n);
+        entries.push((Sample::Area(COLOR, opacity), &**name));
+    }
+    entries.extend(law.median().map(|_| (Sample::Line(MEDIAN), "median")));
     let mean = if law.quantiles.is_empty() { "estimate" } else { "mean" };
-    let lines = [law.median().map(|_| (MEDIAN, "median")), Some((MEAN, mean))];
-    let line = |(stroke, name)| (Sample::Line(stroke), Label::words(name));
-    let entries = law.bands().into_iter().enumerate().map(area);
-    let entries = entries.chain(lines.into_iter().flatten().map(line));
-    let [x, values] = ranges([law].into_iter(), x_title, y_title);
-    let mut plain = Plain::new(entries, 190.0, (x, Some(x_title)), (values, y_title));
+    entries.push((Sample::Line(MEAN), mean));
+    let x = (Axis::of(law.x.iter().copied(), 0.0), Some(x_title));
+    let y = (y_title.axis(law.shown(), 0.06), y_title.words);
+    let mut plain = Plain::new(entries, 190.0, x, y);
     law.draw(&mut plain.canvas, &plain.frame);
     plain.page(title, !law.mean.iter().any(|mean| mean.is_finite()))
 }
@@ -116,26 +100,18 @@ pub fn bands<'a>(title: &str, x_title: &str, y_title: impl Into<Title<'a>>, law:
 /// Figure of measured values with their intervals, beside fitted ones with a band, as an SVG
 /// document.
 pub fn fitted(title: &str, x: &str, y: &str, law: &Law, data: &[Sampled]) -> String {
-    let (x_title, y_title) = (Title::from(x), Title::from(y));
-    let [x, _] = ranges([law].into_iter(), x_title, y_title);
-    let ends = data.iter().flat_map(|&(_, y, of)| of.map_or([y; 2], |(lo, hi)| [lo, hi]));
-    let values = law.interval.iter().chain([&law.mean]).flatten().copied();
-    let y = y_title.range(values.chain(ends), 0.06);
-    let (looks, _) = of_curves(&["data"]);
+    let mut times = Axis::of(law.x.iter().copied(), 0.0);
+    times.range = times.range.padded(0.04);
+    let values = Axis::of(law.shown().chain(data.iter().flat_map(ends)), 0.06);
+    let look = of_quantities(1)[0];
     let entries = [
         (Sample::Area(COLOR, OPACITY), "95 % of the fit"),
         (Sample::Line(MEAN), "fit"),
-        (Sample::Point(looks[0]), "data"),
+        (Sample::Point(look), "data"),
     ];
-    let entries = entries.map(|(sample, name)| (sample, Label::words(name)));
-    let mut plain = Plain::new(entries, 190.0, (x.padded(0.04), Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries, 190.0, (times, Some(x)), (values, y));
     law.draw(&mut plain.canvas, &plain.frame);
-    for &(x, value, interval) in data {
-        let bar = interval.map(|(lo, hi)| [(x, lo), (x, hi)]);
-        plain.line(bar.into_iter().flatten(), Stroke::new(looks[0].color, 1.3));
-        let at = plain.frame.place(x, value);
-        plain.canvas.marker(at, looks[0], 2.4, false);
-    }
+    data.iter().for_each(|value| plain.sampled(value, look));
     plain.page(title, data.is_empty())
 }
 
@@ -146,27 +122,25 @@ const HEIGHT: f64 = 74.0;
 /// Small multiples of a quantity in time as an SVG document: bands, median and mean as in
 /// [`bands`], a plot for each name, all with the same axes.
 pub fn multiples(title: &str, y_title: Title<'_>, panels: &[(String, Law)]) -> String {
-    let x_title = Title::from("");
-    let [times, values] = ranges(panels.iter().map(|(_, law)| law), x_title, y_title);
+    let laws = || panels.iter().map(|(_, law)| law);
+    let times = Axis::of(laws().flat_map(|law| &law.x).copied(), 0.0);
+    let axes = [times, y_title.axis(laws().flat_map(Law::shown), 0.06)];
     small(
         title,
         panels,
+        axes,
         (LEFT, BELOW),
         |_| HEIGHT,
-        |canvas, (k, columns), [left, right, top], law| {
-            let frame = Frame {
-                x: x_title.axis(times, left, right),
-                y: y_title.axis(values, top + HEIGHT, top),
-            };
-            let mut y = y_title.ticks(values, 3);
+        |canvas, frame, (k, columns), law| {
+            let mut y = frame.y.ticks(3);
             if k % columns > 0 {
-                y.major.iter_mut().for_each(|(_, label)| *label = Label::words(""));
+                y.major.iter_mut().for_each(|(_, label)| *label = Label::default());
                 y.factor = None;
             }
             // Nothing stands below it.
             let is_last = k + columns >= panels.len();
             let x_title = is_last.then_some(if k % columns == columns / 2 { "time t" } else { "" });
-            frame.draw(canvas, (&Ticks::decimal(times, 3), x_title), (&y, None));
+            frame.draw(canvas, (&frame.x.ticks(3), x_title), (&y, None));
             law.draw(canvas, &frame);
         },
     )
@@ -204,13 +178,13 @@ impl Bins<'_> {
         while (last / joined - first / joined) >= MAX_BARS {
             joined *= 2;
         }
-        let bar = |n: usize| {
-            let bins = n * joined..(n + 1) * joined;
-            let [from, to] = [bins.start, bins.end].map(|k| lo + k as f64 * width);
-            let count: u64 = counts[bins.start..bins.end.min(counts.len())].iter().sum();
+        let bars = (first / joined..=last / joined).map(|n| {
+            let [first, end] = [n * joined, (n + 1) * joined];
+            let [from, to] = [first, end].map(|k| lo + k as f64 * width);
+            let count: u64 = counts[first..end.min(counts.len())].iter().sum();
             [from, to, count as f64 / (all as f64 * (to - from))]
-        };
-        (first / joined..=last / joined).map(bar).collect()
+        });
+        bars.collect()
     }
 }
 
@@ -224,27 +198,25 @@ pub fn histogram(
     mean: Option<f64>,
 ) -> String {
     let lines = [("median", median, MEDIAN), ("mean", mean, MEAN)];
-    let entries = lines.iter().map(|(name, _, stroke)| (Sample::Line(*stroke), Label::words(name)));
+    let entries = lines.map(|(name, _, stroke)| (Sample::Line(stroke), name));
     let bars = bins.bars();
-    let values = Range::of(bars.iter().flat_map(|[lo, hi, _]| [*lo, *hi]), UNIT).padded(0.04);
-    let highest = Range::of(bars.iter().map(|[.., density]| *density), UNIT).hi;
-    let densities = Range { lo: 0.0, hi: 1.06 * if highest > 0.0 { highest } else { 1.0 } };
+    let values = Axis::of(bars.iter().flat_map(|bar| [bar[0], bar[1]]), 0.04);
+    let highest = Range::of(bars.iter().map(|bar| bar[2]), UNIT).hi;
+    let hi = 1.06 * if highest > 0.0 { highest } else { 1.0 };
+    let densities = Axis::linear(Range { lo: 0.0, hi });
     let outside = bins.all.saturating_sub(bins.counts.iter().sum());
     let mut x_title = x_title.to_owned();
     if outside > 0 {
         x_title += &format!(", {outside} of {} outside", bins.all);
     }
-    let x = (values, Some((&*x_title).into()));
-    let mut plain = Plain::new(entries, 170.0, x, (densities, "density".into()));
+    let mut plain = Plain::new(entries, 170.0, (values, Some(&*x_title)), (densities, "density"));
     if let (Some(first), Some(last)) = (bars.first(), bars.last()) {
         let tops = bars.iter().flat_map(|&[lo, hi, density]| [(lo, density), (hi, density)]);
         let outline = [(first[0], 0.0)].into_iter().chain(tops).chain([(last[1], 0.0)]);
-        let corners = plain.places(outline.clone());
-        plain.canvas.area(&corners, COLOR, 0.25);
+        plain.canvas.area(&plain.frame.places(outline.clone()), COLOR, 0.25);
         plain.line(outline, Stroke::new(COLOR, 0.9));
         for (_, value, stroke) in lines {
-            let ends = value.map(|x| [0.0, densities.hi].map(|y| (x, y)));
-            plain.line(ends.into_iter().flatten(), stroke);
+            plain.line(value.into_iter().flat_map(|x| [(x, 0.0), (x, hi)]), stroke);
         }
     }
     plain.page(title, bars.is_empty())

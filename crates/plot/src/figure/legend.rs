@@ -1,10 +1,6 @@
 //! The legend: rows above the plot, where no curve can reach it.
 
-use super::{
-    canvas::{Align, Canvas, Color, Stroke},
-    look::{self, Look},
-};
-use crate::label::Label;
+use super::*;
 
 /// Font size in pixels.
 const SIZE: f64 = 10.5;
@@ -26,18 +22,18 @@ pub enum Sample {
 }
 
 /// Looks of curves, and their legend entries; a single curve has no entry.
-pub fn of_curves(names: &[&str]) -> (Vec<Look>, Vec<(Sample, Label)>) {
-    let looks = look::of_quantities(names);
-    let entry = |(look, name): (&Look, &&str)| (Sample::Curve(*look), Label::words(name));
-    let entries = looks.iter().zip(names).filter(|_| names.len() > 1).map(entry).collect();
-    (looks, entries)
+pub fn of_curves<'a>(names: impl Iterator<Item = &'a str>) -> (Vec<Look>, Vec<(Sample, &'a str)>) {
+    let names: Vec<&str> = names.collect();
+    let looks = of_quantities(names.len());
+    let shown = names.iter().filter(|_| names.len() > 1);
+    (looks.clone(), looks.into_iter().map(Sample::Curve).zip(shown.copied()).collect())
 }
 
 /// Draws the entries in rows that begin at `left` and are no wider than `width`, and returns where
 /// the plot below may begin.
 pub fn legend(
     canvas: &mut Canvas,
-    entries: impl Iterator<Item = (Sample, Label)>,
+    entries: impl IntoIterator<Item = (Sample, Label)>,
     left: f64,
     width: f64,
 ) -> f64 {
@@ -51,18 +47,18 @@ pub fn legend(
             (x, height) = (0.0, height + ROW);
         }
         let (start, end, y) = (left + x, left + x + length, height - 0.5 * ROW + 2.0);
-        let middle = (0.5 * (start + end), y);
+        let (line, middle) = ([(start, y), (end, y)], (0.5 * (start + end), y));
         match sample {
             Sample::Curve(look) => {
-                canvas.polyline(&[(start, y), (end, y)], look.line(1.2));
-                canvas.marker(middle, look, look.radius(2.8), look.hollow());
+                canvas.polyline(&line, look.line(1.2));
+                canvas.marker(middle, look, look.radius(2.8));
             }
-            Sample::Line(stroke) => canvas.polyline(&[(start, y), (end, y)], stroke),
+            Sample::Line(stroke) => canvas.polyline(&line, stroke),
             Sample::Area(color, opacity) => {
                 let corners = [(start, y - 4.0), (end, y - 4.0), (end, y + 4.0), (start, y + 4.0)];
                 canvas.area(&corners, color, opacity);
             }
-            Sample::Point(look) => canvas.marker(middle, look, 2.8, look.hollow()),
+            Sample::Point(look) => canvas.marker(middle, look, 2.8),
         }
         canvas.label(&label, (end + 4.0, y), SIZE, Align::Left);
         x += needed;

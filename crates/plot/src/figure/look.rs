@@ -6,7 +6,7 @@
 
 use Layer::{Over, Plain, Under};
 
-use super::canvas::{Color, Position, Stroke};
+use super::*;
 
 /// Corners of a marker of radius one; empty for a circle. The areas are about that of the circle,
 /// so that no curve looks more important than another.
@@ -116,11 +116,11 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     let spare = &SCHEMES[3..];
     let free = spare.iter().filter(|(id, _)| !names.contains(id));
     let mut unknown = free.chain(spare.iter().cycle());
-    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name);
-    names.iter().filter_map(|name| Some(known(name).or_else(|| unknown.next())?.1)).collect()
+    let look = |name| SCHEMES.iter().find(|(id, _)| id == name).or_else(|| unknown.next());
+    names.iter().filter_map(look).map(|(_, look)| *look).collect()
 }
 
-/// Looks of the quantities in `names`, repeated where there are more names than looks.
-pub fn of_quantities(names: &[&str]) -> Vec<Look> {
-    QUANTITIES.into_iter().cycle().take(names.len()).collect()
+/// Looks of quantities, repeated where there are more quantities than looks.
+pub fn of_quantities(number: usize) -> Vec<Look> {
+    QUANTITIES.into_iter().cycle().take(number).collect()
 }

@@ -31,5 +31,16 @@ pub use law::{Bins, Law, bands, fitted, histogram, multiples};
 pub use lines::{Trace, lines};
 pub use sweep::{Sampled, against};
 
+// What figures are drawn with.
+use crate::label::Label;
+use axis::{Axis, Range, UNIT};
+use canvas::{Align, Canvas, Color, FAINT, GREY, INK, Position, Stroke};
+use chart::{Figure, Line};
+use frame::{BELOW, Frame, Plain, RIGHT, small};
+use legend::{Sample, legend, of_curves};
+use look::{BLUE, CIRCLE, Layer, Look, VERMILLION, of_quantities, of_schemes};
+use sweep::ends;
+use ticks::Ticks;
+
 #[cfg(test)]
 mod tests;

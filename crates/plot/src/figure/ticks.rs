@@ -1,7 +1,6 @@
 //! Marks of an axis and their labels.
 
-use super::axis::Range;
-use crate::label::Label;
+use super::*;
 use real::elementary::{log10, powi};
 
 /// The marks of an axis.
@@ -19,11 +18,10 @@ impl Ticks {
     /// Powers of ten, at most `most` of them labelled; multiples in between where there is room.
     pub fn decades(range: Range, most: usize) -> Self {
         let mut ticks = Self::powers(10, range, most);
-        let decades = log10(range.hi / range.lo);
-        if decades <= most.min(6) as f64 {
+        if log10(range.hi / range.lo) <= most.min(6) as f64 {
             let [first, last] = [range.lo, range.hi].map(|value| log10(value).floor() as i32);
-            let multiples = |k| (2..10).map(move |m| f64::from(m) * powi(10f64, k));
-            let minor = (first..=last).flat_map(multiples);
+            let minor =
+                (first..=last).flat_map(|k| (2..10).map(move |m| f64::from(m) * powi(10f64, k)));
             ticks.minor.extend(minor.filter(|value| (range.lo..=range.hi).contains(value)));
         }
         ticks
@@ -60,12 +58,12 @@ impl Ticks {
         }
         let magnitude = log10(rough).floor() as i32;
         let (mantissa, magnitude) = match rough / powi(10f64, magnitude) {
-            ..=1.0 => (1, magnitude),
-            ..=2.0 => (2, magnitude),
-            ..=5.0 => (5, magnitude),
-            _ => (1, magnitude + 1),
+            ..=1.0 => (1.0, magnitude),
+            ..=2.0 => (2.0, magnitude),
+            ..=5.0 => (5.0, magnitude),
+            _ => (1.0, magnitude + 1),
         };
-        let step = f64::from(mantissa) * powi(10f64, magnitude);
+        let step = mantissa * powi(10f64, magnitude);
         let (first, last) = ((range.lo / step).ceil(), (range.hi / step).floor());
         let largest = range.lo.abs().max(range.hi.abs());
         // Beyond 2^53 steps the multiples are no longer distinct, and there is nothing sensible to
@@ -80,15 +78,14 @@ impl Ticks {
         };
         let decimals = usize::try_from(power - magnitude).unwrap_or(0);
         let unit = powi(10f64, magnitude - power);
-        let major = (0..=(last - first) as usize)
-            .map(|i| {
-                let integer = f64::from(mantissa) * (first + i as f64);
-                let decimals = if integer == 0.0 { 0 } else { decimals };
-                let text = format!("{:.decimals$}", integer * unit);
-                (integer * powi(10f64, magnitude), Label::new(&text))
-            })
-            .collect();
-        let factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
-        Self { major, minor: Vec::new(), factor }
+        let mut ticks = Self::default();
+        for i in 0..=(last - first) as usize {
+            let integer = mantissa * (first + i as f64);
+            let decimals = if integer == 0.0 { 0 } else { decimals };
+            let label = Label::new(&format!("{:.decimals$}", integer * unit));
+            ticks.major.push((integer * powi(10f64, magnitude), label));
+        }
+        ticks.factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
+        ticks
     }
 }

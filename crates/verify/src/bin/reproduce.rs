@@ -8,7 +8,7 @@ use clap::{Parser, builder::PossibleValuesParser};
 use mc::{files, parts::limit_threads};
 use plot::provenance;
 use real::{Simd, limit_to};
-use verify::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, command, page};
+use verify::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, command, page, results::Claim};
 
 /// Runs the paper's experiments, prints the verdicts and writes the report.
 #[derive(Parser)]
@@ -19,7 +19,9 @@ struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Run only this panel or statement; may be given several times.
-    #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(all_ids()))]
+    #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(
+        [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
+    ))]
     only: Vec<String>,
     /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads
     /// and any vectors.
@@ -36,36 +38,32 @@ struct Arguments {
     simd: Option<Simd>,
 }
 
-/// Identifiers that `--only` accepts.
-fn all_ids() -> impl Iterator<Item = &'static str> {
-    [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
-}
-
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
 /// refuted, and not for a documented misprint in it.
 fn main() -> Result<ExitCode> {
-    let (arguments, start) = (Arguments::parse(), Instant::now());
-    arguments.simd.into_iter().for_each(limit_to);
-    files::prepare(&arguments.out)?;
-    arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
-    let only: Vec<&str> = arguments.only.iter().map(String::as_str).collect();
-    let mut results = verify::reproduce(arguments.seed, arguments.quick, &only);
+    let start = Instant::now();
+    let Arguments { quick, only, seed, threads, out, simd } = Arguments::parse();
+    simd.into_iter().for_each(limit_to);
+    files::prepare(&out)?;
+    threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
+    let only: Vec<&str> = only.iter().map(String::as_str).collect();
+    let mut results = verify::reproduce(seed, quick, &only);
     let commit = option_env!("CASIMIR_COMMIT");
     results.provenance =
         provenance::complete(results.provenance, "cargo xtask reproduce", commit, start);
-    files::write_json(&arguments.out.join("results.json"), &results)?;
-    page::write_report(&results, &arguments.out)?;
+    files::write_json(&out.join("results.json"), &results)?;
+    page::write_report(&results, &out)?;
     for (id, seconds) in &results.provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
     }
     let mut failed = false;
     for claim in &results.claims {
-        let proven = if claim.proven { ", proven" } else { "" };
-        let (outcome, id, panel) = (claim.outcome(), &claim.id, &claim.panel);
-        println!("{outcome}{proven}: {id} {panel} {}: {}", claim.scheme, claim.evidence);
-        failed |= claim.proven && outcome == "refuted";
+        let Claim { id, panel, scheme, evidence, proven, .. } = claim;
+        let (outcome, kind) = (claim.outcome(), if *proven { ", proven" } else { "" });
+        println!("{outcome}{kind}: {id} {panel} {scheme}: {evidence}");
+        failed |= *proven && outcome == "refuted";
     }
     println!("{}", page::counts(results.claims.iter()));
-    println!("report: {}", arguments.out.join("index.html").display());
+    println!("report: {}", out.join("index.html").display());
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -1,19 +1,16 @@
 //! The report of a run: a page with verdicts, figures, measured orders and provenance, in one file
 //! that needs no network and no script; a figure and a table of numbers for each panel.
 
-use real::elementary;
 use std::{io::Result, path::Path};
 
 use mc::{files, quoted};
 use plot::{
-    Document, Kind,
+    Document,
     figure::{convergence, evolution},
     series::relative_defect,
 };
-use schemes::BuiltIn;
-use stats::{Point, Rate};
 
-use crate::results::{Claim, Evidence, Panel, Results};
+use crate::*;
 
 /// Writes the report of a run into a folder.
 ///
@@ -32,9 +29,10 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
-    for panel in results.panels.iter().chain(&results.supplements) {
-        files::write(&figures.join(format!("{}.svg", panel.id)), figure(panel))?;
-        files::write(&data.join(format!("{}.csv", panel.id)), csv(panel))?;
+    for panel in results.figures() {
+        let id = &panel.id;
+        files::write(&figures.join(format!("{id}.svg")), figure(panel))?;
+        files::write(&data.join(format!("{id}.csv")), csv(panel))?;
     }
     files::write(&folder.join("index.html"), page(results))
 }
@@ -90,20 +88,23 @@ fn csv(panel: &Panel) -> String {
 
 /// Numbers of claims with each outcome, in words.
 pub fn counts<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
-    let count = |one: &str| claims.clone().filter(|claim| claim.outcome() == one).count();
-    let words = ["holds", "refuted", "misprint", "undecided"];
-    words.map(|one| format!("{} {one}", count(one))).join(", ")
+    let count = |outcome: &str| {
+        let number = claims.clone().filter(|claim| claim.outcome() == outcome).count();
+        format!("{number} {outcome}")
+    };
+    ["holds", "refuted", "misprint", "undecided"].map(count).join(", ")
 }
 
 fn page(results: &Results) -> String {
-    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
-    let mut page = Document::new("Casimir · reproduction report", title);
+    let mut page = Document::new(
+        "Casimir · reproduction report",
+        "Structure-preserving simulation of damped stochastic Poisson systems",
+    );
     page.section("Summary");
     for (what, proven) in [("What the paper proves", true), ("What is observed", false)] {
         let checks = results.claims.iter().filter(|claim| claim.proven == proven);
         page.paragraph(&format!("{what}: {}.", counts(checks.clone())));
-        let other = checks.filter(|claim| !["holds", "misprint"].contains(&claim.outcome()));
-        page.table(HEAD, other.map(row));
+        table(&mut page, checks.filter(|claim| !["holds", "misprint"].contains(&claim.outcome())));
     }
     page.linked(
         ["Statement", "Verdict", "Checks", "Tightest interval of its order", "First of its panels"],
@@ -117,7 +118,7 @@ fn page(results: &Results) -> String {
              {statement}."
         ));
     }
-    for panel in results.panels.iter().chain(&results.supplements) {
+    for panel in results.figures() {
         page.section(&panel.title);
         page.figures([(figure(panel), caption(panel.kind).into())]);
         // Where clipped increments matter.
@@ -137,10 +138,10 @@ fn page(results: &Results) -> String {
             ("Clipped increments", &clipped.collect()),
             ("Paths left out", &panel.failures.join("; ")),
         ]);
-        page.table(HEAD, results.claims.iter().filter(|claim| claim.panel == panel.id).map(row));
+        table(&mut page, results.claims.iter().filter(|claim| claim.panel == panel.id));
     }
     page.section("Checks without a figure");
-    page.table(HEAD, results.claims.iter().filter(|claim| claim.panel.is_empty()).map(row));
+    table(&mut page, results.claims.iter().filter(|claim| claim.panel.is_empty()));
     page.section("Schemes and provenance");
     page.facts(BuiltIn::ALL.map(|scheme| (scheme.id(), scheme.properties().long_times)));
     let from = &results.provenance;
@@ -167,24 +168,23 @@ fn page(results: &Results) -> String {
 
 /// Rows of the summary, one for each statement, with the section of its first check.
 fn statements(results: &Results) -> Vec<(Option<usize>, [String; 5])> {
-    let panels: Vec<&Panel> = results.panels.iter().chain(&results.supplements).collect();
+    let panels: Vec<&Panel> = results.figures().collect();
     let mut ids: Vec<&str> = Vec::new();
     for claim in &results.claims {
         if !ids.contains(&&*claim.id) {
             ids.push(&claim.id);
         }
     }
-    let row = |id: &str| {
+    let rows = ids.into_iter().map(|id| {
         let checks = results.claims.iter().filter(move |claim| claim.id == id);
-        let width = |rate: &Rate| rate.hi - rate.lo;
         let rates = checks.clone().filter_map(|claim| match &claim.measured {
             Evidence::Order { rate, .. } => rate.as_ref(),
             _ => None,
         });
-        let tightest = rates.min_by(|one, other| width(one).total_cmp(&width(other)));
-        let panel = checks
-            .clone()
-            .find_map(|claim| panels.iter().position(|panel| panel.id == claim.panel));
+        let tightest =
+            rates.min_by(|one, other| (one.hi - one.lo).total_cmp(&(other.hi - other.lo)));
+        let place = |claim: &Claim| panels.iter().position(|panel| panel.id == claim.panel);
+        let panel = checks.clone().find_map(place);
         // The first section is the summary; after the panels come the checks without a figure.
         let section = 2 + panel.unwrap_or(panels.len());
         let title = panel.map_or("Checks without a figure", |n| &*panels[n].title);
@@ -193,15 +193,17 @@ fn statements(results: &Results) -> Vec<(Option<usize>, [String; 5])> {
         });
         let number = checks.clone().count().to_string();
         (Some(section), [id.into(), counts(checks), number, interval, title.into()])
-    };
-    ids.into_iter().map(row).collect()
+    });
+    rows.collect()
 }
 
-const HEAD: [&str; 5] = ["Verdict", "Id", "Scheme", "Statement", "Evidence"];
-
-fn row(claim: &Claim) -> [String; 5] {
-    let Claim { id, scheme, statement, evidence, .. } = claim;
-    [claim.outcome(), id, scheme, statement, evidence].map(str::to_owned)
+/// Adds a table of claims.
+fn table<'a>(page: &mut Document, claims: impl Iterator<Item = &'a Claim>) {
+    let rows = claims.map(|claim| {
+        let Claim { id, scheme, statement, evidence, .. } = claim;
+        [claim.outcome(), id, scheme, statement, evidence]
+    });
+    page.table(["Verdict", "Id", "Scheme", "Statement", "Evidence"], rows);
 }
 
 /// Explains how to read a figure.

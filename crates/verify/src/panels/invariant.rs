@@ -1,15 +1,10 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
-use kernels::Tuned;
-use schemes::{BuiltIn, Energy};
-use stats::Point;
-use systems::{Damping, Problem};
+use schemes::Energy;
 
 use crate::{
-    Compiled, Conditions, Findings, TRUNCATED, Words,
-    conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    experiment::{of_paper, panel},
-    results::{Claim, Evidence, Kind, Panel, Series},
+    conformal_law::{ROUND_OFF, approach},
+    *,
 };
 
 /// Relative defect from which it is visible in a figure: Euler–Maruyama is expected there.
@@ -53,7 +48,7 @@ pub fn follow<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
             panel.series.push(Series {
                 scheme: curve.name.into(),
                 quantity: law.name.clone(),
-                points: along(problem, index, path).into_iter().map(point).collect(),
+                points: along(problem, index, path).map(point).collect(),
                 max_relative_defect: Some(largest),
                 ..Series::default()
             });

@@ -4,14 +4,9 @@ mod invariant;
 pub mod strong;
 pub mod weak;
 
-use mc::Observable;
 use real::elementary::{cos, sin};
-use systems::paper;
 
-use crate::{
-    Experiment,
-    experiment::{BODY_1, BODY_3, BODY_ENERGY, PENDULUM, POISSON, VOLTERRA},
-};
+use crate::*;
 use invariant::follow;
 use strong::compare;
 use weak::WEAK_IDS;
@@ -23,7 +18,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             conditions,
             [
                 "Pendulum: strong convergence",
-                PENDULUM,
+                "pendulum, c = 1",
                 "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
             ],
             (12, 500),

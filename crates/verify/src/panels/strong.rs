@@ -1,22 +1,11 @@
 //! Strong convergence: root-mean-square errors of several schemes at many step sizes, on one noise.
 
-use std::ops::RangeInclusive;
-
-use analysis::{Exact, FinalMoments, squared_distance, wrong_limit};
-use kernels::Tuned;
-use mc::{Ladder, Measured, Run, View};
-use noise::Truncation;
-use real::Row;
-use schemes::{BuiltIn, StrongOrder};
+use analysis::{Exact, squared_distance, wrong_limit};
+use mc::Measured;
+use schemes::StrongOrder;
 use stats::{fit_strong, root_mean_squares};
-use systems::{Damping, Problem, paper::valid};
 
-use crate::{
-    Compiled, Conditions, Curve, Findings, TRUNCATED, Words,
-    experiment::{of_paper, panel},
-    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
-    streams, truncation,
-};
+use crate::*;
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;
@@ -48,16 +37,6 @@ impl StrongPanel<'_> {
         Self { words, last, samples, truncation, truncated, exact: None, bound: None }
     }
 
-    /// Exponents of the step sizes, coarsest first.
-    fn exponents(&self) -> RangeInclusive<u32> {
-        FIRST..=self.last
-    }
-
-    /// The level of a step size above that of the reference.
-    fn level(&self, exponent: u32) -> usize {
-        (self.last + 2 - exponent) as usize
-    }
-
     /// Measures a panel with a claim for each curve. Its series are the errors at the final time of
     /// each curve, then, unless the solution is exact, those at the worst time of the common grid.
     ///
@@ -66,35 +45,28 @@ impl StrongPanel<'_> {
     pub fn measure<'a>(&self, conditions: &Conditions, curves: &[Curve<'a>]) -> Findings {
         let (id, problem) = (conditions.id, &curves[0].setup.problem);
         let finest = curves.iter().find(|curve| curve.method.is_for_areas()).unwrap_or(&curves[0]);
+        // Step sizes, coarsest first, and their levels above the reference.
+        let taus: Vec<f64> = (FIRST..=self.last).map(power_of_half).collect();
+        let (sizes, levels) = (taus.len(), (2..taus.len() + 2).rev());
         let run = |curve: &Curve<'a>, level| Run::new(curve.setup.scheme.clone(), level);
-        let of_curve =
-            |curve| self.exponents().map(move |exponent| run(curve, self.level(exponent)));
         let mut runs = vec![run(finest, 0)];
-        runs.extend(curves.iter().flat_map(of_curve));
-        let taus: Vec<f64> = self.exponents().map(power_of_half).collect();
-        let sizes = taus.len();
-        let (steps, coarsest) = (finest_steps(self.last, problem.t_end), self.level(FIRST));
-        let key = conditions.key(0);
-        let mut ladder = valid(Ladder::new(problem, steps, coarsest, self.truncation, key, runs));
+        for curve in curves {
+            runs.extend(levels.clone().map(|level| run(curve, level)));
+        }
+        let (steps, key) = (finest_steps(self.last, problem.t_end), conditions.key(0));
+        let mut ladder = valid(Ladder::new(problem, steps, sizes + 1, self.truncation, key, runs));
         let last = ladder.coarse_steps();
         // What is measured when: the first run and the number of runs of a curve; of an exact
         // solution, the error of the reference; else all curves again, at times of their own.
-        let first = |s: usize| 1 + s * sizes;
-        let mut when: Vec<_> = (0..curves.len()).map(|s| (last, first(s), sizes)).collect();
-        match &self.exact {
-            Some(exact) => {
-                ladder = ladder.with_time_change(exact.time_change);
-                when.push((last, 0, 1));
-            }
-            None => {
-                let times = self.worst_times(conditions, curves);
-                when.extend(times.into_iter().enumerate().map(|(s, time)| (time, first(s), sizes)));
-            }
+        let at = |(s, time): (usize, u64)| (time, 1 + s * sizes, sizes);
+        let mut when: Vec<_> = (0..curves.len()).map(|s| at((s, last))).collect();
+        if let Some(exact) = &self.exact {
+            ladder = ladder.with_time_change(exact.time_change);
+            when.push((last, 0, 1));
+        } else {
+            when.extend(self.worst_times(conditions, curves).into_iter().enumerate().map(at));
         }
-        let squares = |&(_, first, runs): &_| {
-            move |view: &View<'_>, rows: &mut [Row]| self.write_squares(first, runs, view, rows)
-        };
-        let squares: Vec<_> = when.iter().map(squares).collect();
+        let squares: Vec<_> = when.iter().map(|when| self.squares(when.1, when.2)).collect();
         let statistic = || -> Vec<_> {
             let each = when.iter().zip(&squares);
             each.map(|(&(time, _, runs), squares)| FinalMoments::new(time, 3 * runs - 1, squares))
@@ -125,7 +97,7 @@ impl StrongPanel<'_> {
                 );
                 break;
             }
-            let curve = &curves[n % curves.len()];
+            let Curve { name, method, setup } = &curves[n % curves.len()];
             let (quantity, when) = match at_end {
                 true => ("y(T)", "at the final time"),
                 false => ("sup y", "largest over the common time grid"),
@@ -134,40 +106,36 @@ impl StrongPanel<'_> {
             let differences = squares.part(sizes..2 * sizes - 1);
             let rate = fit_strong(&taus[..sizes - 1], &differences);
             // A single noise commutes with itself.
-            let (claim_id, order, bound) =
-                match (curve.method.properties().strong, problem.noises == 1) {
-                    (StrongOrder::Areas, _) => ("strong-one-levy", 1.0, ""),
-                    (StrongOrder::Commuting, true) => {
-                        ("strong-one", 1.0, "C τ for one noise (k ≥ 2)")
-                    }
-                    (_, true) => ("strong-one", 0.5, ""),
-                    (_, false) => ("strong-half", 0.5, "C τ^½ for several noises (k ≥ 1)"),
-                };
-            let bounded = self.bound.filter(|_| curve.method == BuiltIn::Sexp);
+            let (claim_id, order, bound) = match (method.properties().strong, problem.noises == 1) {
+                (StrongOrder::Areas, _) => ("strong-one-levy", 1.0, ""),
+                (StrongOrder::Commuting, true) => ("strong-one", 1.0, "C τ for one noise (k ≥ 2)"),
+                (_, true) => ("strong-one", 0.5, ""),
+                (_, false) => ("strong-half", 0.5, "C τ^½ for several noises (k ≥ 1)"),
+            };
+            let bounded = self.bound.filter(|_| *method == BuiltIn::Sexp);
             let statement = match bounded {
                 Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
-                None => format!("{} has strong order {order} ({when})", curve.method.id()),
+                None => format!("{} has strong order {order} ({when})", method.id()),
             };
             let (one_sided, wrong_limit) = (bounded.is_some(), wrong_limit(&errors, &differences));
             let evidence = Evidence::Order { order, one_sided, rate: rate.clone(), wrong_limit };
-            let claim = Claim::new(claim_id, statement, evidence).about(id, curve.method.id());
+            let claim = Claim::new(claim_id, statement, evidence).about(id, method.id());
             claims.push(claim.proven(bounded == Some(true)));
             panel.series.push(Series {
-                scheme: curve.name.into(),
+                scheme: name.to_string(),
                 quantity: quantity.into(),
                 points: root_mean_squares(&taus, &errors),
                 rate,
                 ..Series::default()
             });
-            if !(at_end && curve.setup.scheme.about().clips_increments) {
+            if !(at_end && setup.scheme.about().clips_increments) {
                 continue;
             }
-            for (r, exponent) in self.exponents().enumerate() {
-                let increments = measured.clipped[self.level(exponent)];
+            for (r, (&tau, level)) in taus.iter().zip(levels.clone()).enumerate() {
+                let (all, clipped) = (squares.mean(r), squares.mean(2 * sizes - 1 + r));
+                let (scheme, increments) = (name.to_string(), measured.clipped[level]);
+                let share = if all > 0.0 { clipped / all } else { 0.0 };
                 if increments > 0 {
-                    let [all, clipped] = [r, 2 * sizes - 1 + r].map(|number| squares.mean(number));
-                    let share = if all > 0.0 { clipped / all } else { 0.0 };
-                    let (scheme, tau) = (curve.name.into(), taus[r]);
                     panel.clipped.push(Clipped { scheme, tau, increments, share });
                 }
             }
@@ -178,17 +146,19 @@ impl StrongPanel<'_> {
     /// Writes the squared errors |y − y_ref|² of the given runs, the squares of the differences of
     /// each run except the last from the next one, and the errors again where an increment was
     /// clipped, zero elsewhere. y_ref is the exact solution at the random time of a path, or run 0.
-    fn write_squares(&self, first: usize, runs: usize, view: &View<'_>, rows: &mut [Row]) {
-        let finest = view.state(0);
-        let solution = self.exact.as_ref().map(|exact| exact.rows(view, finest.len()));
-        let reference = solution.as_deref().unwrap_or(finest);
-        let distance = |run, from| squared_distance(view.state(run), from, view.live);
-        for (r, run) in (first..first + runs).enumerate() {
-            rows[r] = distance(run, reference);
-            let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
-            rows[2 * runs - 1 + r] = std::array::from_fn(clips);
-            if r + 1 < runs {
-                rows[runs + r] = distance(run, view.state(run + 1));
+    fn squares(&self, first: usize, runs: usize) -> impl Fn(&View<'_>, &mut [Row]) {
+        move |view, rows| {
+            let finest = view.state(0);
+            let solution = self.exact.as_ref().map(|exact| exact.rows(view, finest.len()));
+            let reference = solution.as_deref().unwrap_or(finest);
+            let distance = |run, from| squared_distance(view.state(run), from, view.live);
+            for (r, run) in (first..first + runs).enumerate() {
+                rows[r] = distance(run, reference);
+                let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
+                rows[2 * runs - 1 + r] = std::array::from_fn(clips);
+                if r + 1 < runs {
+                    rows[runs + r] = distance(run, view.state(run + 1));
+                }
             }
         }
     }
@@ -198,11 +168,10 @@ impl StrongPanel<'_> {
     /// so that the times do not depend on the errors that are measured there.
     fn worst_times(&self, conditions: &Conditions, curves: &[Curve<'_>]) -> Vec<u64> {
         let problem = &curves[0].setup.problem;
-        let runs =
-            curves.iter().flat_map(|curve| [2, 0].map(|n| Run::new(curve.setup.scheme.clone(), n)));
-        let (key, runs) = (conditions.key(WORST_TIMES), runs.collect());
-        let steps = finest_steps(FIRST, problem.t_end);
-        let ladder = valid(Ladder::new(problem, steps, 2, self.truncation, key, runs));
+        let schemes = curves.iter().map(|curve| &curve.setup.scheme);
+        let runs = schemes.flat_map(|scheme| [2, 0].map(|level| Run::new(scheme.clone(), level)));
+        let (steps, key) = (finest_steps(FIRST, problem.t_end), conditions.key(WORST_TIMES));
+        let ladder = valid(Ladder::new(problem, steps, 2, self.truncation, key, runs.collect()));
         let differences = |view: &View<'_>, rows: &mut [Row]| {
             for (s, row) in rows.iter_mut().enumerate() {
                 *row = squared_distance(view.state(2 * s), view.state(2 * s + 1), view.live);
@@ -211,12 +180,12 @@ impl StrongPanel<'_> {
         let at = |time| FinalMoments::new(time, curves.len(), &differences);
         let new = || (1..=ladder.coarse_steps()).map(at).collect::<Vec<_>>();
         let found = ladder.run(PILOT_PATHS, new).statistic;
-        let worst = |s: usize| {
+        let worst = (0..curves.len()).map(|s| {
             // Sums: a path that failed counts no more.
             let sums = found.iter().map(|f| f.moments.mean(s) * f.moments.count() as f64);
             (1..).zip(sums).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(time, _)| time)
-        };
-        (0..curves.len()).map(worst).collect()
+        });
+        worst.collect()
     }
 }
 
@@ -255,8 +224,8 @@ pub fn compare<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     let compiled = Compiled::of(problem);
     let measure = |fewer: u32, curves: &[Curve<'_>]| {
         let sizes = conditions.choose((last - fewer, samples), (10, 512));
-        let bound = Some(proven);
-        StrongPanel { bound, ..StrongPanel::new(words, sizes) }.measure(conditions, curves)
+        let panel = StrongPanel { bound: Some(proven), ..StrongPanel::new(words, sizes) };
+        panel.measure(conditions, curves)
     };
     let mut findings = measure(0, &of_paper(&compiled));
     let areas = compiled.curves(&[BuiltIn::SexpLevy]);

@@ -33,23 +33,11 @@
 //! Monte Carlo, and the finest errors would drown.) The paper's 500 000 paths are kept at the
 //! coarsest difference; with seven differences the finest gets an eighth of them.
 
-use analysis::FinalMoments;
-use mc::{Ladder, Observable, Problem, Run, View};
-use noise::StreamKey;
-use real::Row;
-use stats::{CrossMoments, Expansion, weak_errors};
-use systems::paper::{rigid_body_three_noises, valid};
+use mc::Problem;
+use stats::weak_errors;
 
-use super::{
-    strong::{describe_failures, power_of_half},
-    weak_observables,
-};
-use crate::{
-    Compiled, Conditions, Findings, TRUNCATED,
-    experiment::{BODY_3, panel},
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-    truncation,
-};
+use super::strong::describe_failures;
+use crate::*;
 
 /// Identifiers of the weak panels, which one set of runs makes.
 pub const WEAK_IDS: &[&str] =
@@ -65,19 +53,22 @@ pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let sexp = Compiled::of(&problem).sexp();
     let (last, most): (_, u32) = conditions.choose((12, 500_000), (9, 65_536));
-    let samples = |l: u32| (f64::from(most) * power_of_half(l - FIRST).sqrt()).ceil() as u64;
-    let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
+    let difference = |l| DifferenceSamples {
+        tau: power_of_half(l),
+        samples: (f64::from(most) * power_of_half(l - FIRST).sqrt()).ceil() as u64,
+    };
     let grid: Vec<_> = (FIRST..=last).map(difference).collect();
     let observables = weak_observables();
-    let scheme = || sexp.scheme.clone();
     let antithetic = |part, sizes: &DifferenceSamples| {
+        let scheme = || sexp.scheme.clone();
         let runs = vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
         let ladder = difference_ladder(&sexp.problem, sizes.tau, conditions.key(part), runs);
-        let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
-        moments_of(&ladder, sizes.samples, &observables, difference)
+        moments_of(&ladder, sizes.samples, observables.len(), |view, p, f| {
+            let phi = |run| (observables[f].function)(view.path(run, p));
+            phi(0) - 0.5 * (phi(1) + phi(2))
+        })
     };
-    let every = Expansion::EveryPower;
-    let (series, failures) = series("sexp", &grid, &observables, every, antithetic);
+    let (series, failures) = series("sexp", &grid, &observables, Expansion::EveryPower, antithetic);
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
     let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
     let (samples, finer) = (samples.join(", "), last + 1);
@@ -116,8 +107,8 @@ pub fn series(
     expansion: Expansion,
     differences: impl Fn(u64, &DifferenceSamples) -> (CrossMoments, Vec<String>),
 ) -> (Vec<Series>, Vec<String>) {
-    let found = (0..).zip(grid).map(|(part, sizes)| differences(part, sizes));
-    let (moments, failures): (Vec<_>, Vec<_>) = found.unzip();
+    let (moments, failures): (Vec<_>, Vec<_>) =
+        (0..).zip(grid).map(|(part, sizes)| differences(part, sizes)).unzip();
     let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
     let series = observables.iter().enumerate().map(|(f, observable)| {
         let (points, rate) = weak_errors(&taus, &moments, f, expansion);
@@ -138,22 +129,20 @@ pub fn difference_ladder<'a>(
     valid(Ladder::new(problem, finest_steps, 1, truncation(), key, runs))
 }
 
-/// Moments of a combination of φ of the runs at the final time, for every φ, and the paths that
-/// failed; each of them is a difference between neighbouring steps.
+/// Moments at the final time of `number` functions of a path, given by the number of the path in
+/// its block and that of the function, and the paths that failed.
 pub fn moments_of(
     ladder: &Ladder<'_>,
     samples: u64,
-    observables: &[Observable<3>],
-    combination: impl Fn(&dyn Fn(usize) -> f64) -> f64 + Sync,
+    number: usize,
+    function: impl Fn(&View<'_>, usize, usize) -> f64 + Sync,
 ) -> (CrossMoments, Vec<String>) {
     let values = |view: &View<'_>, rows: &mut [Row]| {
-        for (row, observable) in rows.iter_mut().zip(observables) {
-            for p in view.live.paths() {
-                row[p] = combination(&|run| (observable.function)(view.path(run, p)));
-            }
+        for (f, row) in rows.iter_mut().enumerate() {
+            view.live.paths().for_each(|p| row[p] = function(view, p, f));
         }
     };
-    let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
+    let new = || FinalMoments::new(ladder.coarse_steps(), number, &values);
     let measured = ladder.run(samples, new);
     let failures = describe_failures(&measured);
     (measured.statistic.moments, failures)

@@ -9,33 +9,19 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
-use noise::WienerPath;
-use systems::{
-    Damping, PoissonSystem, Problem,
-    paper::{
-        lotka_volterra_2_2, maxwell_bloch, poisson3_casimir, rigid_body_energy,
-        rigid_body_three_noises,
-    },
-};
+use systems::Invariant;
 
-use crate::{
-    Conditions, Findings,
-    conformal_law::along,
-    experiment::Path,
-    results::{Bounded, Claim, Evidence},
-    runge_kutta::runge_kutta,
-};
+use crate::*;
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    [
+    let claims = [
         law(conditions, 0, &rigid_body_three_noises(1.0)),
-        law(conditions, 1, &rigid_body_energy(1.0)),
-        law(conditions, 2, &lotka_volterra_2_2(1.0)),
-        law(conditions, 3, &maxwell_bloch(1.0)),
-        law(conditions, 4, &poisson3_casimir(1.0)),
-    ]
-    .concat()
-    .into()
+        law(conditions, 1, &paper::rigid_body_energy(1.0)),
+        law(conditions, 2, &paper::lotka_volterra_2_2(1.0)),
+        law(conditions, 3, &paper::maxwell_bloch(1.0)),
+        law(conditions, 4, &paper::poisson3_casimir(1.0)),
+    ];
+    Findings::of(claims.concat())
 }
 
 /// Linear pieces of the noise on [0, 1].
@@ -70,22 +56,21 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         }
         path
     });
-    let claim = |(index, invariant): (usize, &systems::Invariant)| {
+    let claim = |(index, invariant): (usize, &Invariant)| {
         let variation = |path: &Path| {
-            let values = along(&erased, index, path);
-            let defects = values.iter().map(|(_, value, exact)| value / exact - 1.0);
-            let defects: Vec<f64> = defects.collect();
+            let defects: Vec<f64> =
+                along(&erased, index, path).map(|(_, value, exact)| value / exact - 1.0).collect();
             defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()
         };
         let [before, after] = paths.each_ref().map(variation);
         let [coarse, fine] = SUBSTEPS.map(|n| {
             format!("variation of the relative defect of Runge–Kutta with {n} steps a piece")
         });
-        let quantities = vec![
+        let quantities = [
             Bounded::reported(coarse, before),
             Bounded::at_most(fine, after, f64::max(before / REDUCTION, ROUND_OFF)),
         ];
-        let systems::Invariant { name, formula, degree, .. } = invariant;
+        let Invariant { name, formula, degree, .. } = invariant;
         let statement = format!(
             "{}: {name} = {formula} obeys the conformal law of degree {degree} on the exact flow",
             system.name()

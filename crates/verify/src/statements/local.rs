@@ -11,22 +11,14 @@
 //! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
-use noise::{Noise, Truncation, WienerPath};
-use real::elementary;
-use schemes::{Scheme, Step};
-use stats::{Against, CrossMoments, Expansion, diagonal, fit_weak};
-use systems::{
-    Cosine, Damping, Problem, RigidBody,
-    paper::{rigid_body_three_noises, valid},
-    unit_noise, vector_field, vector_field_derivative,
-};
+use std::array::from_fn;
 
-use crate::{
-    Conditions, Findings,
-    results::{Claim, Evidence},
-    runge_kutta::runge_kutta,
-    truncation,
-};
+use noise::Noise;
+use schemes::Scheme;
+use stats::{Against, diagonal, fit_weak};
+use systems::{Cosine, RigidBody, unit_noise, vector_field, vector_field_derivative};
+
+use crate::*;
 
 /// A point of the rigid body.
 pub type Vector = [f64; 3];
@@ -42,7 +34,7 @@ pub const PIECES: usize = 64;
 pub(super) fn of_scheme(conditions: &Conditions, scheme: &BodyScheme, proven: bool) -> Findings {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
     let claims = remainder_claims(conditions, scheme.about().id, remainder);
-    claims.map(|claim| claim.proven(proven)).to_vec().into()
+    Findings::of(claims.map(|claim| claim.proven(proven)))
 }
 
 /// Measures both claims about a remainder, at steps τ = 2⁻² … 2⁻⁹.
@@ -58,7 +50,7 @@ pub fn remainder_claims(
         let (mut square, mut mean) = (CrossMoments::new(1), CrossMoments::new(3));
         for _ in 0..conditions.choose(4000, 1000) {
             let pieces: [Vector; PIECES] =
-                std::array::from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
+                from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
             let plus = remainder(tau, &pieces);
             let minus = remainder(tau, &pieces.map(|dw| dw.map(|w| -w)));
             // Both signs have the same law: their average square is one sample of E‖R‖².
@@ -77,11 +69,9 @@ pub fn remainder_claims(
     [(0, "(E‖R‖²)^½ ≤ C τ^(3/2)", 1.5), (1, "‖E R‖ ≤ C τ²", 2.0)].map(|(which, bound, order)| {
         let values = measured.map(|both| both[which].0);
         let covariance = diagonal(&measured.map(|both| both[which].1));
-        let every = Expansion::EveryPower;
-        let rate = fit_weak(&taus, &values, &covariance, Against::Exact, every);
-        let statement = format!("one-step remainder of {of}: {bound}");
+        let rate = fit_weak(&taus, &values, &covariance, Against::Exact, Expansion::EveryPower);
         let measured = Evidence::Order { order, one_sided: false, rate, wrong_limit: None };
-        Claim::new(conditions.id, statement, measured)
+        Claim::new(conditions.id, format!("one-step remainder of {of}: {bound}"), measured)
     })
 }
 
@@ -91,15 +81,15 @@ pub(super) fn problem() -> Problem<RigidBody<3>, Cosine, 3> {
 
 /// First-order part y + τ(f₀ − γy) + Σ fₘwₘ of the expansion, for the exact flow and for schemes.
 pub fn first_order(tau: f64, w: Vector) -> Vector {
-    let (system, damping, y, _) = problem().into_parts();
-    let field = vector_field(&system, y, tau, w);
+    let (body, damping, y, _) = problem().into_parts();
+    let field = vector_field(&body, y, tau, w);
     let rate = damping.rate(0.0) * tau;
-    std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
+    from_fn(|i| y[i] + field[i] - rate * y[i])
 }
 
 /// Difference a − b.
 pub fn difference(a: Vector, b: Vector) -> Vector {
-    std::array::from_fn(|i| a[i] - b[i])
+    from_fn(|i| a[i] - b[i])
 }
 
 pub(super) fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
@@ -108,18 +98,18 @@ pub(super) fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// Exact state y(τ) on piecewise linear noise.
 pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, damping, y0, _) = problem().into_parts();
+    let (body, damping, mut y, _) = problem().into_parts();
     let length = tau / PIECES as f64;
-    let end = |y, (n, dw): (usize, &Vector)| {
-        runge_kutta(&system, &damping, n as f64 * length, length, *dw, 1, y)
-    };
-    pieces.iter().enumerate().fold(y0, end)
+    for (n, dw) in pieces.iter().enumerate() {
+        y = runge_kutta(&body, &damping, n as f64 * length, length, *dw, 1, y);
+    }
+    y
 }
 
 /// Expansion y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise
 /// linear noise.
 pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, _, start, _) = problem().into_parts();
+    let (body, _, start, _) = problem().into_parts();
     // J_lm with l the inner index.
     let (mut w, mut iterated) = ([0.0; 3], [[0.0; 3]; 3]);
     for dw in pieces {
@@ -131,8 +121,8 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let mut sum = first_order(tau, w);
     for m in 0..3 {
         for l in 0..3 {
-            let inner = vector_field(&system, start, 0.0, unit_noise(l));
-            let term = vector_field_derivative(&system, start, 0.0, unit_noise(m), inner);
+            let inner = vector_field(&body, start, 0.0, unit_noise(l));
+            let term = vector_field_derivative(&body, start, 0.0, unit_noise(m), inner);
             (0..3).for_each(|i| sum[i] += term[i] * iterated[l][m]);
         }
     }
@@ -145,20 +135,20 @@ pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> [
     let truncated = if scheme.about().clips_increments { truncation() } else { Truncation::none() };
     let bound = valid(truncated.bound(tau));
     let sum = |m| pieces.iter().map(|dw: &Vector| dw[m]).sum::<f64>().clamp(-bound, bound);
-    let (system, damping, y0, _) = problem().into_parts();
-    let (step, w) = (valid(Step::new(&damping, 0, tau)), std::array::from_fn(sum));
-    [scheme.step(&system, &step, &Noise::increments(w), y0).z, w]
+    let (body, damping, y0, _) = problem().into_parts();
+    let (step, w) = (valid(Step::new(&damping, 0, tau)), from_fn(sum));
+    [scheme.step(&body, &step, &Noise::increments(w), y0).z, w]
 }
 
 /// Remainder of a step of a scheme: the step minus its expansion.
 pub fn scheme_remainder(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, _, start, _) = problem().into_parts();
+    let (body, _, start, _) = problem().into_parts();
     let [end, w] = scheme_end(scheme, tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
-    let field = vector_field(&system, start, 0.0, w);
-    let second = vector_field_derivative(&system, start, 0.0, w, field);
-    let first = first_order(tau, w);
-    std::array::from_fn(|i| end[i] - first[i] - 0.5 * second[i])
+    let field = vector_field(&body, start, 0.0, w);
+    let second = vector_field_derivative(&body, start, 0.0, w, field);
+    let rest = difference(end, first_order(tau, w));
+    from_fn(|i| rest[i] - 0.5 * second[i])
 }
 
 fn dot(a: Vector, b: Vector) -> f64 {
@@ -175,8 +165,7 @@ mod tests {
     fn a_wrong_second_order_term_is_seen() {
         // Without the iterated integrals the remainder is of order τ, not τ^{3/2}: the twin of the
         // measurement.
-        let pieces: [Vector; PIECES] =
-            std::array::from_fn(|n| [0.01 * (n as f64).sin(), 0.01, -0.004]);
+        let pieces: [Vector; PIECES] = from_fn(|n| [0.01 * (n as f64).sin(), 0.01, -0.004]);
         let scaled = |factor: f64| pieces.map(|dw| dw.map(|w| w * factor));
         let size = |remainder: Vector| dot(remainder, remainder).sqrt();
         let ratio = |f: &dyn Fn(f64, &[Vector; PIECES]) -> Vector| {

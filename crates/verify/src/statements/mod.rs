@@ -10,9 +10,8 @@ pub mod without_iteration;
 
 use local::{exact_remainder, remainder_claims};
 use schemes::{Sexp, SexpLi, Split};
-use systems::paper::valid;
 
-use crate::Experiment;
+use crate::*;
 
 /// Statements in the order of the paper, then the others.
 pub const STATEMENTS: &[Experiment] = &[
@@ -21,7 +20,7 @@ pub const STATEMENTS: &[Experiment] = &[
     (&["exact-conformal"], exact_conformal::measure),
     (&["moment-bound"], moment_bound::measure),
     (&["local-exact"], |conditions| {
-        remainder_claims(conditions, "the exact flow", exact_remainder).to_vec().into()
+        Findings::of(remainder_claims(conditions, "the exact flow", exact_remainder))
     }),
     (&["local-sexp"], |conditions| local::of_scheme(conditions, &Sexp, true)),
     (&["local-sexp-li"], |conditions| {

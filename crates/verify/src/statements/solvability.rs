@@ -7,25 +7,15 @@
 //! random pairs of points with increments up to the truncation bound are mapped, and the iteration
 //! is started from both.
 
-use analysis::worse;
-use noise::WienerPath;
 use real::elementary::ln;
-use systems::{
-    PoissonSystem,
-    paper::{pendulum, poisson3_strong, valid},
-};
 
-use crate::{
-    Conditions, Findings, TRUNCATION_ORDER,
-    experiment::distance,
-    results::{Bounded, Claim, Evidence},
-    truncation,
-};
+use crate::*;
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    let of_pendulum = contraction(conditions, 0, pendulum().system(), 1.0, 1.0);
-    let poisson = poisson3_strong();
-    vec![of_pendulum, contraction(conditions, 1, poisson.system(), 3f64.sqrt(), 1.0)].into()
+    Findings::of([
+        contraction(conditions, 0, paper::pendulum().system(), 1.0, 1.0),
+        contraction(conditions, 1, paper::poisson3_strong().system(), 3f64.sqrt(), 1.0),
+    ])
 }
 
 /// Spread of the random points: several periods of the sines.
@@ -74,10 +64,8 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     }
     let words = format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
     let limits = format!("largest distance between limits from {pairs} pairs of starts");
-    let quantities = vec![
-        Bounded::at_most(words, quotient, lipschitz),
-        Bounded::at_most(limits, apart, AGREEMENT),
-    ];
+    let quantities =
+        [Bounded::at_most(words, quotient, lipschitz), Bounded::at_most(limits, apart, AGREEMENT)];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::bounds(quantities))
 }

@@ -7,47 +7,31 @@
 //! `no-noise`: for ordinary differential equations the order is two, since the damping stands
 //! symmetrically about the step.
 
-use analysis::worse;
-use mc::Setup;
-use noise::{StepNoise, Truncation};
-use real::elementary;
-use schemes::{BuiltIn, Step};
-use systems::paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_noises};
-
-use crate::{
-    Compiled, Conditions, Findings, altered,
-    conformal_law::{ROUND_OFF, largest_defect},
-    experiment::{Path, distance, followed},
-    results::{Bounded, Claim, Evidence},
-    truncation,
-};
+use crate::{conformal_law::ROUND_OFF, *};
 
 pub(super) fn any_increment(conditions: &Conditions) -> Findings {
-    let (body, light) = (rigid_body_three_noises(1.0), maxwell_bloch(1.0));
-    of_each(conditions, &[Compiled::of(&body), Compiled::of(&light)], keeps_casimir)
+    let (body, light) = (rigid_body_three_noises(1.0), paper::maxwell_bloch(1.0));
+    of_each(conditions, [Compiled::of(&body), Compiled::of(&light)], keeps_casimir)
 }
 
 pub(super) fn no_noise(conditions: &Conditions) -> Findings {
-    let (pendulum, body) = (pendulum(), rigid_body_three_noises(1.0));
-    let (light, poisson) = (maxwell_bloch(1.0), poisson3_strong());
+    let (pendulum, body) = (paper::pendulum(), rigid_body_three_noises(1.0));
+    let (light, poisson) = (paper::maxwell_bloch(1.0), paper::poisson3_strong());
     let (pendulum, body) = (Compiled::of(&pendulum), Compiled::of(&body));
-    of_each(conditions, &[pendulum, body, Compiled::of(&light), Compiled::of(&poisson)], order_two)
+    of_each(conditions, [pendulum, body, Compiled::of(&light), Compiled::of(&poisson)], order_two)
 }
 
 /// Makes a claim about each of the schemes on each problem; the schemes are counted.
-fn of_each(
+fn of_each<'a>(
     conditions: &Conditions,
-    problems: &[Compiled<'_>],
+    problems: impl IntoIterator<Item = Compiled<'a>>,
     claim: fn(&Conditions, u64, Setup<'_>) -> Claim,
 ) -> Findings {
-    let mut claims = Vec::new();
-    for problem in problems {
-        for (part, curve) in (0..).zip(problem.curves(&[BuiltIn::SexpLi, BuiltIn::Split])) {
-            let claim = claim(conditions, part, curve.setup);
-            claims.push(claim.about("", curve.name).proven(false));
-        }
-    }
-    claims.into()
+    let schemes = [BuiltIn::SexpLi, BuiltIn::Split];
+    let curves = problems.into_iter().flat_map(|problem| (0..).zip(problem.curves(&schemes)));
+    Findings::of(curves.map(|(part, Curve { name, setup, .. })| {
+        claim(conditions, part, setup).about("", name).proven(false)
+    }))
 }
 
 /// Alters a set-up: increments are multiplied by `factor`.
@@ -78,9 +62,10 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
             solved = solved.min(path.len() as u64 - 1);
             largest = worse(largest, largest_defect(&setup.problem, 0, &path));
         }
-        let words = format!("solved of {STEPS} steps, increments of {size} standard deviations");
+        let of_size = format!("increments of {size} standard deviations");
+        let words = format!("solved of {STEPS} steps, {of_size}");
         quantities.push(Bounded::at_least(words, solved as f64, STEPS as f64));
-        let words = format!("largest relative defect, increments of {size} standard deviations");
+        let words = format!("largest relative defect, {of_size}");
         quantities.push(Bounded::at_most(words, largest, ROUND_OFF));
     }
     setup.problem.t_end = LONG_STEPS as f64 * LONG_STEP;
@@ -113,7 +98,7 @@ pub fn order_two(conditions: &Conditions, _part: u64, setup: Setup<'_>) -> Claim
     let order = elementary::log2(apart(&coarse, &middle) / apart(&middle, &fine));
     let words = format!("order from {COARSE}, {} and {} steps", 2 * COARSE, 4 * COARSE);
     let quantities =
-        vec![Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];
+        [Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];
     let statement = format!("{}: order two without noise", setup.problem.name);
     Claim::new("no-noise", statement, Evidence::bounds(quantities))
 }

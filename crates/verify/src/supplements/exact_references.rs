@@ -1,43 +1,19 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
-use analysis::{Exact, FinalMoments, StepSizes, weak_order};
-use kernels::Tuned;
-use mc::{Ladder, View};
-use real::Row;
-use systems::{
-    Damping, Problem,
-    paper::{self, valid},
-};
+use analysis::{Exact, StepSizes, weak_order};
 
 use crate::{
-    Compiled, Conditions, Findings,
     exact::{RandomTime, expectation, solution},
-    experiment::{BODY_ENERGY, VOLTERRA, of_paper},
-    panels::{
-        phi,
-        strong::{StrongPanel, finest_steps},
-    },
-    results::{Claim, Evidence},
-    truncation,
+    panels::{strong::finest_steps, weak::moments_of},
+    *,
 };
-
-pub fn lotka_volterra(conditions: &Conditions) -> Findings {
-    let title = "Lotka–Volterra against its exact solution: strong convergence";
-    compare(conditions, title, VOLTERRA, &paper::lotka_volterra_1_1())
-}
-
-pub fn rigid_body(conditions: &Conditions) -> Findings {
-    let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
-    compare(conditions, title, BODY_ENERGY, &paper::rigid_body_energy(1.0))
-}
 
 /// Strong errors, weak errors of `sexp` against the exact solution path by path, and the mean of
 /// the exact solution over the paths against the Gaussian integral.
-fn compare<S: Tuned<3, 1>, G: Damping>(
+pub fn compare<S: Tuned<3, 1>, G: Damping>(
     conditions: &Conditions,
-    title: &'static str,
-    system: &'static str,
+    [title, system]: [&'static str; 2],
     problem: &Problem<S, G, 3>,
 ) -> Findings {
     // The random time whose flow is the exact solution. Both systems have a vector field of degree
@@ -50,8 +26,8 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     let words = [title, system, "Not in the paper."];
     let panel = StrongPanel::new(words, conditions.choose((12, 500), (10, 200)));
     let finest = time(finest_steps(panel.last, problem.t_end()));
-    let strong = StrongPanel { exact: Some(Exact::new(&finest, solution)), ..panel };
-    let mut findings = strong.measure(conditions, &of_paper(&compiled));
+    let panel = StrongPanel { exact: Some(Exact::new(&finest, solution)), ..panel };
+    let mut findings = panel.measure(conditions, &of_paper(&compiled));
 
     let sizes = StepSizes {
         levels: 5,
@@ -62,7 +38,7 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let time = time(steps);
     let exact = Exact::new(&time, solution);
-    for observable in [phi("y2", |y| y[1]), phi("cos y3", |y| real::elementary::cos(y[2]))] {
+    for observable in [phi("y2", |y| y[1]), phi("cos y3", |y| elementary::cos(y[2]))] {
         let name = observable.name;
         let order = valid(weak_order(&compiled.sexp(), &observable, &sizes, Some(&exact)));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
@@ -71,15 +47,12 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
         // Two ways to the same number, of which one uses the noise of this project and the
         // other a quadrature.
         let (on, key) = (&compiled.problem, conditions.key(2));
-        let ladder = valid(Ladder::new(on, steps, 1, truncation(), key, Vec::new()));
-        let ladder = ladder.with_time_change(&time);
-        let values = |view: &View<'_>, rows: &mut [Row]| {
-            for p in view.live.paths() {
-                rows[0][p] = (observable.function)(solution(view.random_time[p]));
-            }
-        };
-        let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
-        let moments = ladder.run(conditions.choose(20_000, 1_000), new).statistic.moments;
+        let ladder =
+            valid(Ladder::new(on, steps, 1, truncation(), key, Vec::new())).with_time_change(&time);
+        let samples = conditions.choose(20_000, 1_000);
+        let (moments, _) = moments_of(&ladder, samples, 1, |view, p, _| {
+            (observable.function)(solution(view.random_time[p]))
+        });
         let (value, error) = (moments.mean(0), moments.standard_error(0));
         let expected = expectation(problem, &time, steps, observable.function);
         let statement = format!(

@@ -2,17 +2,10 @@
 //! random points, against the Kolmogorov equation, and the cost of an accuracy.
 
 use expectation::{Estimate, Expect, ExpectSettings, Expectation};
-use mc::{Observable, Observe};
-use stats::{CONFIDENCE, Point, two_sided};
-use systems::paper::{rigid_body_three_noises, valid};
+use mc::Observe;
+use stats::{CONFIDENCE, two_sided};
 
-use crate::{
-    Compiled, Conditions, Findings, Words,
-    experiment::{BODY_3, panel},
-    panels::{phi, weak_observables},
-    results::{Claim, Evidence, Kind, Panel, Series},
-    truncation,
-};
+use crate::*;
 
 /// The values of the twelve observables by the Kolmogorov equation of y/|y| on the sphere, whose
 /// moments of spherical harmonics obey a linear equation: `tests/known_answers/kolmogorov.rs`
@@ -50,8 +43,7 @@ fn expectation(
 ) -> Expectation {
     let problem = rigid_body_three_noises(1.0);
     let (mut expect, key) = (Expect::by_parts(&problem), conditions.key(part));
-    let random_points = way == RANDOM;
-    let mut settings = ExpectSettings { key, random_points, ..Default::default() };
+    let mut settings = ExpectSettings { key, random_points: way == RANDOM, ..Default::default() };
     if way != CHOSEN {
         expect = Expect::with_scheme(Compiled::of(&problem).sexp());
         (settings.truncation, settings.max_cost) = (truncation(), 1 << 40);
@@ -80,12 +72,11 @@ fn claim(estimate: &Estimate, of: &Expectation, expected: f64, statement: String
 pub fn measure(conditions: &Conditions) -> Findings {
     let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
     let measured = expectation(conditions, CHOSEN, 0, &observables, accuracy);
-    let claims = measured.estimates.iter().zip(KOLMOGOROV).map(|(estimate, exact)| {
+    Findings::of(measured.estimates.iter().zip(KOLMOGOROV).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
         claim(estimate, &measured, exact, statement).about("", "nv")
-    });
-    claims.collect::<Vec<_>>().into()
+    }))
 }
 
 const WORDS: Words = [
@@ -98,7 +89,7 @@ const WORDS: Words = [
 
 /// Measures path-steps for E[cos y₃] at several accuracies: the contributions of points and scheme.
 pub fn cost(conditions: &Conditions) -> Findings {
-    let observables = [phi("cos y3", |y| real::elementary::cos(y[2]))];
+    let observables = [phi("cos y3", |y| elementary::cos(y[2]))];
     let accuracies = conditions
         .choose([1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5], [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]);
     let (mut series, mut claims) = (Vec::new(), Vec::new());

@@ -1,16 +1,6 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use analysis::worse;
-use schemes::BuiltIn;
-use systems::paper::{half_cosine, rigid_body_three_noises};
-
-use crate::{
-    Compiled, Conditions, Findings,
-    conformal_law::largest_defect,
-    panels::strong::StrongPanel,
-    results::{Claim, Evidence},
-    two_spins::spin_pair,
-};
+use crate::{two_spins::spin_pair, *};
 
 /// Largest relative defect of a Casimir that counts as round-off on a path of 1024 steps of 2⁻¹⁰:
 /// sixteen ε a step, of random sign, are √1024·16 ε = 1.1e-13.
@@ -25,17 +15,19 @@ pub fn measure(conditions: &Conditions) -> Findings {
         "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
         "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
     ];
-    let (spins, body) = (spin_pair(half_cosine()), rigid_body_three_noises(1.0));
+    let (spins, body) = (spin_pair(paper::half_cosine()), rigid_body_three_noises(1.0));
     let curves = Compiled::of(&spins).curves(&[BuiltIn::Sexp, BuiltIn::SexpLevy]);
     let panel = StrongPanel::new(words, conditions.choose((11, 500), (9, 256)));
     let mut findings = panel.measure(conditions, &curves);
     let of_body = &Compiled::of(&body).curves(&[BuiltIn::SexpLevy])[0];
-    for (panel, curve) in [(conditions.id, &curves[1]), ("rigid-body-strong-3", of_body)] {
-        let problem = &curve.setup.problem;
+    for (panel, Curve { name, setup, .. }) in
+        [(conditions.id, &curves[1]), ("rigid-body-strong-3", of_body)]
+    {
         let mut largest = 0.0;
         for path in 0..PATHS {
-            let path = conditions.path(3, &curve.setup, STEPS, path);
-            let defects = (0..problem.laws.len()).map(|law| largest_defect(problem, law, &path));
+            let path = conditions.path(3, setup, STEPS, path);
+            let laws = 0..setup.problem.laws.len();
+            let defects = laws.map(|law| largest_defect(&setup.problem, law, &path));
             largest = defects.fold(largest, worse);
             if path.len() as u64 <= STEPS {
                 largest = f64::NAN;
@@ -51,7 +43,7 @@ pub fn measure(conditions: &Conditions) -> Findings {
         };
         let statement = "every Casimir obeys the conformal law at every step, Lévy areas included";
         let claim = Claim::new("conformal-casimir", statement, measured);
-        findings.claims.push(claim.about(panel, curve.name).proven(false));
+        findings.claims.push(claim.about(panel, name).proven(false));
     }
     findings
 }

@@ -1,12 +1,6 @@
 //! `truncation-orders`: the effect of the truncation order k on the strong error.
 
-use noise::Truncation;
-use schemes::BuiltIn;
-use systems::paper::{rigid_body_one_noise, valid};
-
-use crate::{
-    Compiled, Conditions, Curve, Findings, Words, experiment::BODY_1, panels::strong::StrongPanel,
-};
+use crate::*;
 
 const WORDS: Words = [
     "What the truncation order k does: sexp on the rigid body, only W₁",
@@ -18,7 +12,7 @@ const WORDS: Words = [
 
 /// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
 pub fn measure(conditions: &Conditions) -> Findings {
-    let problem = rigid_body_one_noise();
+    let problem = paper::rigid_body_one_noise();
     let rules = [
         ("sexp, k = 1", Truncation::new(1)),
         ("sexp, k = 2", Truncation::new(2)),

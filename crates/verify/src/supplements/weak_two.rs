@@ -7,22 +7,13 @@
 //! of the one order, and of the other order on swapped increments: its variance falls like τ². Each
 //! difference has scrambles of its own, whose means are the samples.
 
-use mc::{NextNoise, Observable, Problem, Run, bind_owned};
-use noise::{QuasiWiener, StreamKey};
-use real::WIDTH;
+use mc::{NextNoise, Problem, bind_owned};
+use noise::QuasiWiener;
 use schemes::{Nv, Sweep};
-use stats::{CrossMoments, Expansion};
-use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings,
-    experiment::{BODY_3, panel},
-    panels::{
-        phi,
-        strong::power_of_half,
-        weak::{difference_ladder, moments_of, series},
-    },
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel},
+    panels::weak::{difference_ladder, moments_of, series},
+    *,
 };
 
 /// Number of scrambles: many, so that their mean is nearly normal.
@@ -42,14 +33,13 @@ pub fn measure(conditions: &Conditions) -> Findings {
     let grid = [1, 2, 3, 4].map(|l| DifferenceSamples { tau: power_of_half(l), samples });
     let differences =
         |part, sizes: &DifferenceSamples| differences(conditions.key(part), sizes.tau, points);
-    let even = Expansion::EvenPowers;
-    let (series, failures) = series("nv", &grid, &OBSERVABLES, even, differences);
-    let claims = series.iter().map(|series| {
-        let statement = format!("nv has weak order 2 for φ = {}", series.quantity);
-        let measured = Evidence::order_bound(2.0, series.rate.clone());
+    let (series, failures) = series("nv", &grid, &OBSERVABLES, Expansion::EvenPowers, differences);
+    let claim = |Series { quantity, rate, .. }: &Series| {
+        let statement = format!("nv has weak order 2 for φ = {quantity}");
+        let measured = Evidence::order_bound(2.0, rate.clone());
         Claim::new("weak-two", statement, measured).about(conditions.id, "nv").proven(false)
-    });
-    let claims = claims.collect();
+    };
+    let claims = series.iter().map(claim).collect();
     let words = [
         "Rigid body, three noises: weak error of nv",
         BODY_3,
@@ -87,7 +77,6 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
             Run::swapped(backward.clone(), 0),
         ];
         let wiener = valid(QuasiWiener::new(key, scramble, steps, 3, problem.t_end()));
-        let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
         // The increments of 32 points of the scramble, step by step.
         let increments = move |first_point| -> NextNoise {
             let mut all = vec![[0.0; WIDTH]; wiener.dimensions()];
@@ -98,9 +87,12 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
                 next += 3;
             })
         };
-        let ladder = ladder.with_noise(increments);
-        let difference = |phi: &dyn Fn(usize) -> f64| 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
-        let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference);
+        let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
+        let (found, failed) =
+            moments_of(&ladder.with_noise(increments), points, OBSERVABLES.len(), |view, p, f| {
+                let phi = |run| (OBSERVABLES[f].function)(view.path(run, p));
+                0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)))
+            });
         failures.extend(failed);
         moments.add(&found.means());
     }
