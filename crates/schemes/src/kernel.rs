@@ -51,7 +51,7 @@ where
 }
 
 /// Identifier and needs of a formula for several noises.
-pub(crate) const fn about<F: Implicit>() -> About {
+pub const fn about<F: Implicit>() -> About {
     let (reads_areas, clips_increments) = (F::READS_AREAS, F::CLIPS_INCREMENTS);
     About { reads_areas, clips_increments, ..About::new(F::ID) }
 }

@@ -61,7 +61,7 @@ impl SexpLevy {
 }
 
 /// The formula for noises that do not commute.
-pub(crate) struct WithAreas;
+pub struct WithAreas;
 
 impl Implicit for WithAreas {
     const ID: &'static str = "sexp-levy";

@@ -73,18 +73,15 @@ impl Step {
 
     /// A step of size `tau`, which may be negative, about the middle of this one, without damping.
     pub(crate) fn undamped(&self, tau: f64) -> Self {
-        let t = self.t + 0.5 * (self.tau - tau);
-        let [first_decay, second_decay] = [1.0; 2];
-        let [rate_at_start, rate_at_middle, rate_at_end, damping_integral] = [0.0; 4];
         Self {
-            t,
+            t: self.t + 0.5 * (self.tau - tau),
             tau,
-            first_decay,
-            second_decay,
-            rate_at_start,
-            rate_at_middle,
-            rate_at_end,
-            damping_integral,
+            first_decay: 1.0,
+            second_decay: 1.0,
+            rate_at_start: 0.0,
+            rate_at_middle: 0.0,
+            rate_at_end: 0.0,
+            damping_integral: 0.0,
         }
     }
 

@@ -169,6 +169,6 @@ pub enum ImplicitStep {
 }
 
 /// Panics for an index beyond the invariants of a system.
-pub(crate) fn no_invariant(system: &str, index: usize) -> ! {
+pub fn no_invariant(system: &str, index: usize) -> ! {
     panic!("{system} has no invariant of index {index}")
 }
