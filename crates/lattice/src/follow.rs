@@ -40,22 +40,21 @@ impl Record {
         let times = longest.at.len();
         let mut arrays = vec![("t of spectra".to_owned(), vec![times], longest.at.clone())];
         let Some(first) = longest.spectra.first() else { return arrays };
-        let mut add = |name: String, each: usize, of: &dyn Fn(&Spectra) -> &[f64]| {
-            let row = |record: &Self| {
-                let mut all: Vec<f64> =
-                    record.spectra.iter().flat_map(|one| of(one).to_vec()).collect();
-                all.resize(times * each, f64::NAN);
-                all
-            };
-            let values = records.iter().flat_map(row).collect();
-            arrays.push((name, vec![records.len(), times, each], values));
-        };
+        let kinds: [(&str, fn(&Spectra) -> &[Vec<f64>]); 2] =
+            [("correlation", |one| &one.correlations), ("structure", |one| &one.structures)];
         for axis in 0..first.correlations.len() {
-            let number = axis + 1;
-            let each = first.correlations[axis].len();
-            add(format!("correlation {number}"), each, &|of| &of.correlations[axis]);
-            let each = first.structures[axis].len();
-            add(format!("structure {number}"), each, &|of| &of.structures[axis]);
+            for (kind, of) in kinds {
+                let each = of(first)[axis].len();
+                let row = |record: &Self| {
+                    let known = record.spectra.iter().flat_map(|one| &of(one)[axis]);
+                    let mut all: Vec<f64> = known.copied().collect();
+                    all.resize(times * each, f64::NAN);
+                    all
+                };
+                let values = records.iter().flat_map(row).collect();
+                let shape = vec![records.len(), times, each];
+                arrays.push((format!("{kind} {}", axis + 1), shape, values));
+            }
         }
         arrays
     }

@@ -1,7 +1,7 @@
 //! Spins with N levels on a lattice.
 
 use faer::c64;
-use systems::{SystemError, lattice::Shape};
+use systems::{SystemError, finite, lattice::Shape};
 
 use crate::{
     MatrixSystem,
@@ -60,9 +60,8 @@ impl SuSpins {
         if !(2..=LEVELS).contains(&n) {
             return Err(SystemError(format!("a spin has from 2 to {LEVELS} levels, got {n}")));
         }
-        let numbers = [exchange, quadratic, quartic, x, y, z];
-        if let Some(wrong) = numbers.iter().find(|number| !number.is_finite()) {
-            return Err(SystemError(format!("couplings of spins must be finite, got {wrong}")));
+        for number in [exchange, quadratic, quartic, x, y, z] {
+            finite("couplings of spins", number)?;
         }
         if let Some([alpha, kt]) = bath
             && !(alpha > 0.0 && alpha.is_finite() && kt >= 0.0 && kt.is_finite())

@@ -32,6 +32,10 @@ fn unless(is_valid: bool, name: &str, must: &str, value: f64) -> Result<f64, Sys
     is_valid.then_some(value).ok_or_else(refused)
 }
 
+/// Checks that a parameter is finite.
+///
+/// # Errors
+/// [`SystemError`] with its name otherwise.
 pub fn finite(name: &str, value: f64) -> Result<f64, SystemError> {
     unless(value.is_finite(), name, "finite", value)
 }

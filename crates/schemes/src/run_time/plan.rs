@@ -3,7 +3,7 @@
 use systems::run_time::{Op, Recorded};
 
 /// Place of an argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub enum Source {
     /// Memory of the tile.
     Slot(usize),
@@ -12,7 +12,7 @@ pub enum Source {
 }
 
 /// A computation with arguments of type P. Numbers beside them are those of nodes with factors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy)]
 pub enum Computation<P> {
     /// The argument times a factor.
     Multiple(P, usize),
@@ -35,7 +35,7 @@ impl<P> Computation<P> {
 }
 
 /// Operations that every tile can do when the stages before are complete.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Stage {
     /// Computations, each with the slot for its result.
     pub instructions: Vec<(Computation<Source>, usize)>,
@@ -44,7 +44,7 @@ pub struct Stage {
 }
 
 /// The plan for a formula.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Plan {
     pub stages: Vec<Stage>,
     /// Number of slots of a tile, and of buffers with the inputs, which come first.

@@ -16,7 +16,7 @@ use super::{
     machine::{Machine, multiple},
     norm::{Changes, sums},
 };
-use crate::{Implicit, Listing, Step, Stepper, Sweeps};
+use crate::{Implicit, Listing, Step, Stepper, Sweeps, kernel::may_overflow};
 
 /// A formula on 32 paths, or on one large path. An implicit one is solved by fixed-point iteration
 /// as in [`nonlin::Method::FixedPoint`], and by Newton's method without a matrix on paths where
@@ -145,10 +145,8 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
         } else {
             self.solve(step, h, status);
         }
-        // The second half of the damping may give a state that is not finite.
-        let second = if F::EXACT_DAMPING { step.second_decay } else { 1.0 };
-        let tested = F::EXPLICIT || second > 1.0 || second.is_nan();
-        if tested && self.system.description().layout.lanes == Lanes::Paths {
+        let is_tested = F::EXPLICIT || F::EXACT_DAMPING && may_overflow(step);
+        if is_tested && self.system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }
     }

@@ -38,25 +38,24 @@ impl Cell {
     /// sites, fcc 4, diamond 8. a₁ and a₂ of the others make 60°; `triangular` and `hexagonal` have
     /// one site, `honeycomb` 2, `kagome` 3 and `hcp` 2.
     pub fn named(name: &str) -> Option<Self> {
-        let (third, half, quarter) = (1.0 / 3.0, 0.5, 0.25);
-        let origin = [0.0; 3];
-        let fcc = [origin, [0.0, half, half], [half, 0.0, half], [half, half, 0.0]];
+        let (origin, third) = ([0.0; 3], 1.0 / 3.0);
+        let fcc = [origin, [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
         let (oblique, sites) = match name {
             "cubic" => (false, vec![origin]),
-            "bcc" => (false, vec![origin, [half; 3]]),
+            "bcc" => (false, vec![origin, [0.5; 3]]),
             "fcc" => (false, fcc.into()),
             "diamond" => {
-                let shifted = fcc.map(|site| site.map(|fraction| fraction + quarter));
+                let shifted = fcc.map(|site| site.map(|fraction| fraction + 0.25));
                 (false, [fcc, shifted].concat())
             }
             "triangular" | "hexagonal" => (true, vec![origin]),
             "honeycomb" => (true, vec![origin, [third, third, 0.0]]),
-            "kagome" => (true, vec![origin, [half, 0.0, 0.0], [0.0, half, 0.0]]),
-            "hcp" => (true, vec![origin, [third, third, half]]),
+            "kagome" => (true, vec![origin, [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]),
+            "hcp" => (true, vec![origin, [third, third, 0.5]]),
             _ => return None,
         };
         let height = if name == "hcp" { (8.0f64 / 3.0).sqrt() } else { 1.0 };
-        let second = if oblique { [half, 0.75f64.sqrt(), 0.0] } else { [0.0, 1.0, 0.0] };
+        let second = if oblique { [0.5, 0.75f64.sqrt(), 0.0] } else { [0.0, 1.0, 0.0] };
         let vectors = [[1.0, 0.0, 0.0], second, [0.0, 0.0, height]];
         Some(Self { name: name.into(), vectors, sites })
     }

@@ -6,7 +6,7 @@ use real::{Kernel, Real, Row, WIDTH, derivatives};
 
 use super::{
     Shape,
-    layout::{MaterialRows, SpinRows, Spins},
+    layout::{MaterialRows, OnePath, SpinRows, Spins},
 };
 use crate::{
     cayley::{cayley_cross, cross},
@@ -122,14 +122,14 @@ fn field_of(field: &[Row], group: usize) -> [&Row; 3] {
 }
 
 /// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
-pub struct EnergyOnTile<'a, L> {
-    pub layout: L,
+pub struct EnergyOnTile<'a> {
+    pub layout: OnePath<'a>,
     pub field: &'a [Row],
     pub tile: Range<usize>,
     pub y: &'a [Row],
 }
 
-impl<L: SpinRows> Kernel for EnergyOnTile<'_, L> {
+impl Kernel for EnergyOnTile<'_> {
     type Output = f64;
 
     #[inline(always)]

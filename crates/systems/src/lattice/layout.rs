@@ -21,7 +21,7 @@ pub const TILE_ROWS: usize = 3 * TILE_SITES / WIDTH;
 pub type Spins = [Row; 3];
 
 /// Materials of the sites of a group: K, σ and α.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct MaterialRows {
     pub anisotropy: Row,
     pub noise: Row,
