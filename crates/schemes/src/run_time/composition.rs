@@ -318,13 +318,13 @@ impl<'a> CompositionStepper<'a> {
         };
         let steps: Vec<_> = steps.into_iter().map(step).collect();
         // Memory of a kind of pieces, if there are any: every block of paths has its own.
-        let needed = |is: fn(&Piece) -> bool, rows| {
-            if steps.iter().flatten().any(is) { rows } else { 0 }
-        };
-        let is_flow: fn(&Piece) -> bool = |piece| matches!(piece, Piece::Move(Move::Flow { .. }));
-        let next = needed(|piece| matches!(piece, Piece::Program(_)), description.layout.rows);
-        let part = needed(is_flow, description.layout.noise_rows);
-        let scratch = needed(is_flow, description.scratch_rows());
+        let pieces = || steps.iter().flatten();
+        let has_programs = pieces().any(|piece| matches!(piece, Piece::Program(_)));
+        let has_flows = pieces().any(|piece| matches!(piece, Piece::Move(Move::Flow { .. })));
+        let if_needed = |needed, rows| if needed { rows } else { 0 };
+        let next = if_needed(has_programs, description.layout.rows);
+        let part = if_needed(has_flows, description.layout.noise_rows);
+        let scratch = if_needed(has_flows, description.scratch_rows());
         Self {
             system,
             steps,
@@ -379,7 +379,8 @@ impl Stepper for CompositionStepper<'_> {
             self;
         let number = step.number() as usize % steps.len();
         let factors = &self.factors;
-        if self.reads_space_time || !self.own.is_empty() {
+        let is_plain = !self.reads_space_time && self.own.is_empty();
+        if !is_plain {
             rows.clear();
             rows.extend_from_slice(&noise.increments);
             for (row, factor) in rows.iter_mut().zip(&self.exact) {
@@ -389,9 +390,8 @@ impl Stepper for CompositionStepper<'_> {
                 rows.extend_from_slice(&noise.space_time);
             }
         }
-        let all: &[Row] = if rows.is_empty() { &noise.increments } else { rows };
+        let all: &[Row] = if is_plain { &noise.increments } else { rows };
         let (increments, areas) = all.split_at(noise.increments.len());
-        let rows_are_plain = all.len() == noise.increments.len() && self.own.is_empty();
         let t = step.t + 0.5 * step.tau;
         let mut shares = (f64::NAN, 0.0, None);
         for piece in &mut steps[number] {
@@ -408,9 +408,10 @@ impl Stepper for CompositionStepper<'_> {
                     state[*component].iter_mut().for_each(|y| *y *= factors[*factor]);
                 }
                 Piece::Move(Move::Flow { part, drift, noise: share, area, only }) => {
-                    let is_whole = (*share, *area, *only) == (1.0, 0.0, None) && rows_are_plain;
-                    if !is_whole && shares != (*share, *area, *only) {
-                        shares = (*share, *area, *only);
+                    let wanted = (*share, *area, *only);
+                    let is_whole = wanted == (1.0, 0.0, None) && is_plain;
+                    if !is_whole && shares != wanted {
+                        shares = wanted;
                         for (m, row) in part_of_noise.increments.iter_mut().enumerate() {
                             let moves = only.is_none_or(|only| only == m);
                             let [share, area] = if moves { [*share, *area] } else { [0.0; 2] };

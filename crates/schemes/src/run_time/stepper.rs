@@ -14,7 +14,7 @@ use super::{
     derivative::derivative,
     krylov::Krylov,
     machine::{Machine, multiple},
-    norm::{Changes, sums},
+    norm::{changes, sums},
 };
 use crate::{Implicit, Listing, Step, Stepper, Sweeps, kernel::may_overflow};
 
@@ -59,7 +59,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         for number in 1..=most_sweeps {
             self.machine.execute(h);
             let iterates = [0, 1, 2].map(|n| self.machine.result(n));
-            let changes = sums(self.system, Changes, iterates);
+            let changes = sums(self.system, changes, iterates);
             let mut z = std::mem::take(&mut self.machine.buffers[1]);
             let (next, pending) = (self.machine.result(2), &mut pending);
             let finished = test_sweep(number, changes, next, &mut z, pending);

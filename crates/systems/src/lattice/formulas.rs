@@ -121,20 +121,14 @@ fn field_of(field: &[Row], group: usize) -> [&Row; 3] {
     [0, 1, 2].map(|c| &field[begin + c])
 }
 
-/// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
-pub struct EnergyOnTile<'a> {
-    pub layout: OnePath<'a>,
-    pub field: &'a [Row],
-    pub tile: Range<usize>,
-    pub y: &'a [Row],
-}
-
-impl Kernel for EnergyOnTile<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { layout, field, tile, y } = self;
+real::kernel! {
+    /// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
+    pub fn energy_on_tile(
+        layout: OnePath<'a>,
+        field: &'a [Row],
+        tile: Range<usize>,
+        y: &'a [Row]
+    ) -> f64 {
         let (groups, mut sum) = (tile.len() / 3, [0.0; WIDTH]);
         for group in 0..groups {
             let number = tile.start / 3 + group;
@@ -148,7 +142,7 @@ impl Kernel for EnergyOnTile<'_> {
                 sum[p] -= 0.5 * anisotropy[p] * s[2][p] * s[2][p];
             }
         }
-        sum.iter().sum()
+        sum.iter().sum::<f64>()
     }
 }
 

@@ -38,7 +38,7 @@ use crate::{
     run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{CHUNK, Flow, Part};
-use formulas::{EnergyOnTile, OnTile};
+use formulas::{OnTile, energy_on_tile};
 use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES, place};
 
 pub use cell::{Cell, LATTICES, Pair};
@@ -225,7 +225,7 @@ impl SpinLattice {
         let mut constant = [[0.0; WIDTH]; 3];
         let field = self.field_on(t, &tile, &mut constant, scratch);
         let layout = OnePath(&self.sites, self.sites.crystal.sites());
-        dispatch(EnergyOnTile { layout, field, tile, y })
+        energy_on_tile(layout, field, tile, y)
     }
 
     /// A spin of path p.
