@@ -40,7 +40,8 @@ impl Record {
         let times = longest.at.len();
         let mut arrays = vec![("t of spectra".to_owned(), vec![times], longest.at.clone())];
         let Some(first) = longest.spectra.first() else { return arrays };
-        let kinds: [(&str, fn(&Spectra) -> &[Vec<f64>]); 2] =
+        type OfAxes = fn(&Spectra) -> &[Vec<f64>];
+        let kinds: [(&str, OfAxes); 2] =
             [("correlation", |one| &one.correlations), ("structure", |one| &one.structures)];
         for axis in 0..first.correlations.len() {
             for (kind, of) in kinds {

@@ -278,9 +278,10 @@ impl<S: MatrixSystem + ?Sized> System for InCoordinates<S> {
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
         for p in 0..WIDTH {
-            out[p] = match p > 0 && is_first(y, p) {
-                true => out[0],
-                false => traces(self.system.size(), &self.read(y, p), index + 2)[index + 1],
+            out[p] = if p > 0 && is_first(y, p) {
+                out[0]
+            } else {
+                traces(self.system.size(), &self.read(y, p), index + 2)[index + 1]
             };
         }
     }

@@ -110,10 +110,10 @@ fn drift(parts: &Parts, drift: f64, backward: bool) -> Vec<Move> {
 /// Refuses noises that do not commute.
 fn commuting(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     let Description { name, noises_commute, .. } = system.description();
-    match noises_commute {
-        true => Ok(()),
-        false => Err(SchemeError::not_for(scheme, name, DO_NOT_COMMUTE)),
+    if !noises_commute {
+        return Err(SchemeError::not_for(scheme, name, DO_NOT_COMMUTE));
     }
+    Ok(())
 }
 
 impl Scheme for Baoab {
@@ -142,13 +142,11 @@ impl Scheme for Baoab {
 fn of_order(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     commuting(scheme, system)?;
     let Description { name, depends_on_time, .. } = system.description();
-    match depends_on_time {
-        false => Ok(()),
-        true => {
-            let reason = "Hamiltonians depend on time, which costs it its order; take nv";
-            Err(SchemeError::not_for(scheme, name, reason))
-        }
+    if *depends_on_time {
+        let reason = "Hamiltonians depend on time, which costs it its order; take nv";
+        return Err(SchemeError::not_for(scheme, name, reason));
     }
+    Ok(())
 }
 
 impl SplitH {
@@ -162,17 +160,17 @@ impl SplitH {
     ) -> Vec<Move> {
         let kicks = |shares| (0..noises).flat_map(|m| kick(m, shares)).collect();
         let delta = self.delta;
-        match delta == 0.0 {
-            true => [kicks([0.5, 1.0]), drift(1.0, &[0, 1]), kicks([0.5, -1.0])].concat(),
-            false => [
-                kicks([0.5 - delta, 1.0]),
-                drift(0.5, &[0]),
-                kicks([2.0 * delta, 0.0]),
-                drift(0.5, &[1]),
-                kicks([0.5 - delta, -1.0]),
-            ]
-            .concat(),
+        if delta == 0.0 {
+            return [kicks([0.5, 1.0]), drift(1.0, &[0, 1]), kicks([0.5, -1.0])].concat();
         }
+        [
+            kicks([0.5 - delta, 1.0]),
+            drift(0.5, &[0]),
+            kicks([2.0 * delta, 0.0]),
+            drift(0.5, &[1]),
+            kicks([0.5 - delta, -1.0]),
+        ]
+        .concat()
     }
 }
 
@@ -238,9 +236,10 @@ fn frictions_of(friction: &[Friction], moved: &[usize]) -> Option<Vec<usize>> {
 
 /// √((1 − e^{−2Γ})/2Γ): what makes the noise after friction with the integral Γ exact.
 fn exact(integral: f64) -> f64 {
-    let mean = match integral.abs() < 1e-4 {
-        true => 1.0 - integral + integral * integral * (2.0 / 3.0),
-        false => (1.0 - exp(-2.0 * integral)) / (2.0 * integral),
+    let mean = if integral.abs() < 1e-4 {
+        1.0 - integral + integral * integral * (2.0 / 3.0)
+    } else {
+        (1.0 - exp(-2.0 * integral)) / (2.0 * integral)
     };
     mean.sqrt()
 }

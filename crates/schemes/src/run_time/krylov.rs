@@ -114,9 +114,10 @@ impl<'a> Krylov<'a> {
         let residuals = self.norm(&self.defect);
         Ok(from_fn(|p| {
             let (residual, iterations) = (residuals[p], iterations[p]);
-            match failed.contains(p) {
-                true => Outcome::Failed { residual },
-                false => Outcome::Robust { iterations, residual },
+            if failed.contains(p) {
+                Outcome::Failed { residual }
+            } else {
+                Outcome::Robust { iterations, residual }
             }
         }))
     }

@@ -55,9 +55,10 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
                 for $group in 0..groups {
-                    let $rows = match L::PLANES {
-                        true => [$group, $group + groups, $group + 2 * groups],
-                        false => [3 * $group, 3 * $group + 1, 3 * $group + 2],
+                    let $rows = if L::PLANES {
+                        [$group, $group + groups, $group + 2 * groups]
+                    } else {
+                        [3 * $group, 3 * $group + 1, 3 * $group + 2]
                     };
                     let value: Spins = $value;
                     for c in 0..3 {

@@ -281,15 +281,12 @@ impl System for SpinLattice {
         let mut constant = [[0.0; WIDTH]; 3];
         let field =
             if is_read { self.field_on(h.t, &tile, &mut constant, scratch) } else { &constant };
-        match self.is_one_path() {
-            false => {
-                let layout = OnPaths(sites);
-                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
-            }
-            true => {
-                let layout = OnePath(sites, sites.crystal.sites());
-                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
-            }
+        if self.is_one_path() {
+            let layout = OnePath(sites, sites.crystal.sites());
+            dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
+        } else {
+            let layout = OnPaths(sites);
+            dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
         }
     }
 
@@ -321,9 +318,10 @@ impl System for SpinLattice {
                     out[p] += h.dt * (d[0] * turned[0] + d[1] * turned[1] + d[2] * turned[2]);
                 }
                 out[p] -= 0.5 * anisotropy * h.dt * s[2] * s[2];
-                let dw = match self.local {
-                    true => self.spin(h.dw, site, p),
-                    false => [0, 1, 2].map(|c| h.dw[c][p]),
+                let dw = if self.local {
+                    self.spin(h.dw, site, p)
+                } else {
+                    [0, 1, 2].map(|c| h.dw[c][p])
                 };
                 for c in 0..3 {
                     out[p] -= (field[c] * h.dt + noise * dw[c]) * s[c];
