@@ -2,7 +2,7 @@
 
 use real::{Degree, Real};
 
-use crate::legendre::fixed_rule;
+use crate::{legendre::fixed_rule, midpoint};
 
 /// A gradient field ∇H on ℝᴰ, generic over [`Real`].
 pub trait GradientField<const D: usize> {
@@ -21,32 +21,13 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     a: [R; D],
     b: [R; D],
 ) -> [R; D] {
-    let (mut middle, mut difference) = (a, a);
-    for i in 0..D {
-        middle[i] = (a[i] + b[i]) * 0.5;
-        difference[i] = b[i] - a[i];
+    let nodes = Nodes::<F, R, N, D>::new(field, a, b);
+    if N == 1 {
+        return field.gradient(nodes.middle);
     }
-    let nodes = Nodes::<F, R, N, D> { field, middle, difference };
-    let mut mean = nodes.first();
-    // Up to 9 nodes are written out. The compiler unrolls a loop with a long body too late for the
-    // enclosing loop over paths to be vectorised. More nodes, or nodes in more than four
-    // dimensions, are a loop, slow but quick to compile.
-    if const { N > 9 || D > 4 } {
-        for k in 1..N / 2 {
-            mean = nodes.add_pair(mean, k);
-        }
-    } else {
-        if const { N > 3 } {
-            mean = nodes.add_pair(mean, 1);
-        }
-        if const { N > 5 } {
-            mean = nodes.add_pair(mean, 2);
-        }
-        if const { N > 7 } {
-            mean = nodes.add_pair(mean, 3);
-        }
-    }
-    if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }
+    let (first, weights) = const { (fixed_rule::<N>().0[0], fixed_rule::<N>().1) };
+    let mean = nodes.add_pairs(times(nodes.pair(first), weights[0]));
+    if N % 2 == 1 { plus(mean, field.gradient(nodes.middle), weights[N / 2]) } else { mean }
 }
 
 /// [`averaged`] with the nodes that a polynomial H of this degree needs: one up to degree two, two
@@ -63,15 +44,10 @@ pub fn averaged_by_degree<R: Real, F: GradientField<D>, const D: usize>(
 ) -> [R; D] {
     let few = degree <= Degree::of(6);
     let (is_one, is_two) = (degree <= Degree::of(2), degree <= Degree::of(4));
-    let (mut middle, mut difference) = (a, a);
-    for i in 0..D {
-        middle[i] = (a[i] + b[i]) * 0.5;
-        difference[i] = b[i] - a[i];
-    }
-    let nodes = Nodes::<F, R, 8, D> { field, middle, difference };
-    let mut at_middle = middle;
+    let nodes = Nodes::<F, R, 8, D>::new(field, a, b);
+    let mut at_middle = nodes.middle;
     if is_one || (few && !is_two) {
-        at_middle = field.gradient(middle);
+        at_middle = field.gradient(at_middle);
     }
     if is_one {
         return at_middle;
@@ -82,21 +58,9 @@ pub fn averaged_by_degree<R: Real, F: GradientField<D>, const D: usize>(
         (_, true) => (three.0[0], three.1[0]),
         _ => (eight.0[0], eight.1[0]),
     };
-    let mut mean = nodes.pair(node);
-    for i in 0..D {
-        mean[i] = mean[i] * weight;
-    }
+    let mut mean = times(nodes.pair(node), weight);
     if !few {
-        // As in `averaged`: written out, or a loop that is quick to compile.
-        if const { D > 4 } {
-            for k in 1..4 {
-                mean = nodes.add_pair(mean, k);
-            }
-        } else {
-            mean = nodes.add_pair(mean, 1);
-            mean = nodes.add_pair(mean, 2);
-            mean = nodes.add_pair(mean, 3);
-        }
+        mean = nodes.add_pairs(mean);
     }
     if few && !is_two { plus(mean, at_middle, three.1[1]) } else { mean }
 }
@@ -109,30 +73,45 @@ struct Nodes<'a, F, R, const N: usize, const D: usize> {
     difference: [R; D],
 }
 
-impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, R, N, D> {
-    const RULE: ([f64; N], [f64; N]) = fixed_rule::<N>();
-
-    /// The first pair, or the middle for N = 1.
+impl<'a, F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'a, F, R, N, D> {
     #[inline(always)]
-    fn first(&self) -> [R; D] {
-        if N == 1 {
-            return self.field.gradient(self.middle);
-        }
-        let mut mean = self.pair(Self::RULE.0[0]);
+    fn new(field: &'a F, a: [R; D], b: [R; D]) -> Self {
+        let mut difference = a;
         for i in 0..D {
-            mean[i] = mean[i] * Self::RULE.1[0];
+            difference[i] = b[i] - a[i];
+        }
+        Self { field, middle: midpoint(a, b), difference }
+    }
+
+    /// Adds the pairs after the first.
+    ///
+    /// Up to 9 nodes are written out. The compiler unrolls a loop with a long body too late for the
+    /// enclosing loop over paths to be vectorised. More nodes, or nodes in more than four
+    /// dimensions, are a loop, slow but quick to compile.
+    #[inline(always)]
+    fn add_pairs(&self, mut mean: [R; D]) -> [R; D] {
+        if const { N > 9 || D > 4 } {
+            for k in 1..N / 2 {
+                mean = self.add_pair(mean, k);
+            }
+            return mean;
+        }
+        if const { N > 3 } {
+            mean = self.add_pair(mean, 1);
+        }
+        if const { N > 5 } {
+            mean = self.add_pair(mean, 2);
+        }
+        if const { N > 7 } {
+            mean = self.add_pair(mean, 3);
         }
         mean
     }
 
     #[inline(always)]
     fn add_pair(&self, mean: [R; D], k: usize) -> [R; D] {
-        plus(mean, self.pair(Self::RULE.0[k]), Self::RULE.1[k])
-    }
-
-    #[inline(always)]
-    fn add_middle(&self, mean: [R; D]) -> [R; D] {
-        plus(mean, self.field.gradient(self.middle), Self::RULE.1[N / 2])
+        let (nodes, weights) = const { fixed_rule::<N>() };
+        plus(mean, self.pair(nodes[k]), weights[k])
     }
 
     /// The sum of the gradients at a node and at its mirror image.
@@ -152,6 +131,15 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
         }
         sum
     }
+}
+
+/// gradient·weight.
+#[inline(always)]
+fn times<R: Real, const D: usize>(mut gradient: [R; D], weight: f64) -> [R; D] {
+    for i in 0..D {
+        gradient[i] = gradient[i] * weight;
+    }
+    gradient
 }
 
 /// mean + gradient·weight.

@@ -30,7 +30,7 @@ use systems::{
 };
 
 /// A system whose built-in schemes are compiled once, where this trait is implemented.
-pub trait Tuned<const D: usize, const M: usize>: PoissonSystem<D, M> + Sized {
+pub trait Tuned<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// The scheme on the system, as [`BuiltIn::by_parts`] makes it where flows are known, and else
     /// [`BuiltIn::compiled`].
     ///

@@ -33,7 +33,6 @@ pub struct Record {
 impl Record {
     /// Correlations and structure factors along each axis, by path, time, and distance or wave
     /// number; NaN after a path ended early.
-    #[must_use]
     pub fn spectra_of(records: &[Self]) -> Vec<(String, Vec<usize>, Vec<f64>)> {
         let Some(longest) = records.iter().max_by_key(|record| record.at.len()) else {
             return Vec::new();
@@ -41,22 +40,22 @@ impl Record {
         let times = longest.at.len();
         let mut arrays = vec![("t of spectra".to_owned(), vec![times], longest.at.clone())];
         let Some(first) = longest.spectra.first() else { return arrays };
-        let mut add = |name: String, each: usize, of: &dyn Fn(&Spectra) -> &[f64]| {
-            let row = |record: &Self| {
-                let mut all: Vec<f64> =
-                    record.spectra.iter().flat_map(|one| of(one).to_vec()).collect();
-                all.resize(times * each, f64::NAN);
-                all
-            };
-            let values = records.iter().flat_map(row).collect();
-            arrays.push((name, vec![records.len(), times, each], values));
-        };
+        type OfAxes = fn(&Spectra) -> &[Vec<f64>];
+        let kinds: [(&str, OfAxes); 2] =
+            [("correlation", |one| &one.correlations), ("structure", |one| &one.structures)];
         for axis in 0..first.correlations.len() {
-            let number = axis + 1;
-            let each = first.correlations[axis].len();
-            add(format!("correlation {number}"), each, &|of| &of.correlations[axis]);
-            let each = first.structures[axis].len();
-            add(format!("structure {number}"), each, &|of| &of.structures[axis]);
+            for (kind, of) in kinds {
+                let each = of(first)[axis].len();
+                let row = |record: &Self| {
+                    let known = record.spectra.iter().flat_map(|one| &of(one)[axis]);
+                    let mut all: Vec<f64> = known.copied().collect();
+                    all.resize(times * each, f64::NAN);
+                    all
+                };
+                let values = records.iter().flat_map(row).collect();
+                let shape = vec![records.len(), times, each];
+                arrays.push((format!("{kind} {}", axis + 1), shape, values));
+            }
         }
         arrays
     }

@@ -10,10 +10,15 @@ use real::{
 /// Real and imaginary parts of 32 numbers.
 pub type Complex = [Row; 2];
 
+/// cos φ and sin φ for φ = 2πx.
+pub fn turned(x: f64) -> [f64; 2] {
+    let angle = TAU * x;
+    [cos(angle), sin(angle)]
+}
+
 /// cos φ and sin φ for φ = 2πk/n.
 pub fn turn(k: usize, n: usize) -> [f64; 2] {
-    let angle = TAU * ((k % n) as f64 / n as f64);
-    [cos(angle), sin(angle)]
+    turned((k % n) as f64 / n as f64)
 }
 
 /// The numbers e^{−2πik/n} for k < n/2; n is a power of two.

@@ -8,7 +8,7 @@ use systems::{
     run_time::System,
 };
 
-use crate::fourier::{Complex, transform, turn, twiddles};
+use crate::fourier::{Complex, transform, turn, turned, twiddles};
 
 /// Means over the spins of a lattice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,6 @@ fn pieces<T: Send>(n: usize, of: impl Fn(std::ops::Range<usize>) -> T + Sync) ->
 
 impl Means {
     /// The means at a state and a time.
-    #[must_use]
     pub fn of(lattice: &SpinLattice, y: &[Row], t: f64) -> Self {
         let (crystal, layout) = (lattice.crystal(), lattice.description().layout);
         let (sites, each) = (crystal.sites() as f64, crystal.materials.len());
@@ -121,14 +120,13 @@ impl Planes {
             let (mut re, mut im) = ([0.0; 3], [0.0; 3]);
             for (b, sums) in self.0[axis].chunks(size).enumerate() {
                 let fraction = crystal.cell.sites[b][axis];
-                let angle = std::f64::consts::TAU * (k as f64 * fraction / size as f64);
-                let here = [real::elementary::cos(angle), real::elementary::sin(angle)];
+                let here = turned(k as f64 * fraction / size as f64);
                 for (n, sum) in sums.iter().enumerate() {
                     let [c, s] = turns[k * n % size];
-                    let turned = [c * here[0] - s * here[1], c * here[1] + s * here[0]];
+                    let [cos, sin] = [c * here[0] - s * here[1], c * here[1] + s * here[0]];
                     for i in 0..3 {
-                        re[i] += sum[i] * turned[0];
-                        im[i] -= sum[i] * turned[1];
+                        re[i] += sum[i] * cos;
+                        im[i] -= sum[i] * sin;
                     }
                 }
             }
@@ -142,7 +140,6 @@ impl Planes {
 impl Spectra {
     /// Correlations and structure factors of a state, along the axes with more than one cell and
     /// up to 8192.
-    #[must_use]
     pub fn of(lattice: &SpinLattice, y: &[Row]) -> Self {
         let planes = Planes::of(lattice, y);
         let axes =
@@ -198,11 +195,10 @@ fn correlation(lattice: &SpinLattice, y: &[Row], axis: usize) -> Vec<f64> {
         terms.sum::<f64>() / n as f64
     };
     let open: Vec<f64> = (0..size).map(open).collect();
-    match shape.is_periodic(axis) {
-        true => {
-            let around = |r: usize| if r == 0 { 0.0 } else { open[size - r] };
-            (0..=size / 2).map(|r| (open[r] + around(r)) / sites as f64).collect()
-        }
-        false => (0..size).map(|r| open[r] / ((size - r) * lines) as f64).collect(),
+    if shape.is_periodic(axis) {
+        let around = |r: usize| if r == 0 { 0.0 } else { open[size - r] };
+        (0..=size / 2).map(|r| (open[r] + around(r)) / sites as f64).collect()
+    } else {
+        (0..size).map(|r| open[r] / ((size - r) * lines) as f64).collect()
     }
 }

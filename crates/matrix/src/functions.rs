@@ -46,13 +46,13 @@ impl Observe for Function {
         let mut first: Option<usize> = None;
         for p in live.paths() {
             let known = first.filter(|&q| y.iter().all(|y| y[p].to_bits() == y[q].to_bits()));
-            values[p] = known.map_or_else(
-                || {
+            values[p] = match known {
+                Some(q) => values[q],
+                None => {
                     matrices(self.n, |i| y[i][p], &mut w);
                     (self.of)(&w)
-                },
-                |q| values[q],
-            );
+                }
+            };
             first.get_or_insert(p);
         }
     }

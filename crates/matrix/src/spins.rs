@@ -1,10 +1,7 @@
 //! Spins with N levels on a lattice.
 
 use faer::c64;
-use systems::{
-    SystemError,
-    lattice::{Direction, Shape},
-};
+use systems::{SystemError, finite, lattice::Shape};
 
 use crate::{
     MatrixSystem,
@@ -50,17 +47,6 @@ fn spin(n: usize) -> (Vec<f64>, Vec<f64>) {
     ((0..n).map(|j| s - j as f64).collect(), raising)
 }
 
-/// Directions to neighbours.
-const DIRECTIONS: [Direction; 6] = {
-    let mut all = [Direction { axis: 0, up: false }; 6];
-    let mut k = 0;
-    while k < 6 {
-        all[k] = Direction { axis: k / 2, up: k % 2 == 1 };
-        k += 1;
-    }
-    all
-};
-
 /// Most levels.
 const LEVELS: usize = 16;
 
@@ -74,9 +60,8 @@ impl SuSpins {
         if !(2..=LEVELS).contains(&n) {
             return Err(SystemError(format!("a spin has from 2 to {LEVELS} levels, got {n}")));
         }
-        let numbers = [exchange, quadratic, quartic, x, y, z];
-        if let Some(wrong) = numbers.iter().find(|number| !number.is_finite()) {
-            return Err(SystemError(format!("couplings of spins must be finite, got {wrong}")));
+        for number in [exchange, quadratic, quartic, x, y, z] {
+            finite("couplings of spins", number)?;
         }
         if let Some([alpha, kt]) = bath
             && !(alpha > 0.0 && alpha.is_finite() && kt >= 0.0 && kt.is_finite())
@@ -102,11 +87,9 @@ impl SuSpins {
     /// Sum of the dipoles of the neighbours of a site, of the upper ones only if `up`.
     fn around(&self, w: &[c64], site: usize, up: bool) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for direction in DIRECTIONS.into_iter().filter(|direction| direction.up || !up) {
-            if self.shape.sizes()[direction.axis] == 1 {
-                continue;
-            }
-            if let Some(next) = self.shape.neighbour(site, direction) {
+        let ends = if up { &[true][..] } else { &[false, true] };
+        for axis in 0..3 {
+            for next in ends.iter().filter_map(|&up| self.shape.neighbour(site, axis, up)) {
                 let dipole = self.dipole(w, next);
                 (0..3).for_each(|a| sum[a] += dipole[a]);
             }

@@ -1,12 +1,13 @@
 //! Systems of Hermitian matrices, and their coordinates.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use dgrad::Rule;
 use faer::c64;
 use real::{Row, WIDTH};
 use systems::{
     Form, Invariant,
+    paper::valid,
     run_time::{Description, Op, System, Weights, derived},
 };
 
@@ -139,9 +140,9 @@ pub fn inner(a: &[c64], b: &[c64]) -> f64 {
 
 /// A system of matrices in its coordinates: the [`System`] of problems, inspections and of schemes
 /// for any system.
-pub struct InCoordinates<S> {
+pub struct InCoordinates<S: ?Sized> {
     /// The system of matrices.
-    pub system: S,
+    pub system: Arc<S>,
     description: Description,
 }
 
@@ -153,75 +154,94 @@ const LAWS: [Invariant; 3] = {
     [two, three, Invariant { name: "C4", formula: "tr W⁴", degree: 4.0, ..three }]
 };
 
-impl<S: MatrixSystem> InCoordinates<S> {
+/// Whether path p has the bits of path 0.
+fn is_first(rows: &[Row], p: usize) -> bool {
+    rows.iter().all(|row| row[p].to_bits() == row[0].to_bits())
+}
+
+/// The increments of path p.
+fn increments(h: Weights<'_>, p: usize) -> Vec<f64> {
+    h.dw.iter().map(|row| row[p]).collect()
+}
+
+impl<S: MatrixSystem + ?Sized> InCoordinates<S> {
     /// The system in its coordinates.
-    pub fn new(system: S) -> Self {
-        let rule = Rule::new(1).unwrap_or_else(|error| panic!("{error}"));
-        let (dimension, noises) = (dimension(&system), system.noises());
+    pub fn new(system: Arc<S>) -> Self {
         let description = Description {
             parameters: system.parameters(),
             has_bath: system.has_bath(),
             invariants: LAWS[..system.size().clamp(2, 4) - 1].to_vec(),
             noises_commute: system.noises_commute(),
-            ..Description::new(system.name(), dimension, noises, rule)
+            ..Description::new(
+                system.name(),
+                dimension(&*system),
+                system.noises(),
+                valid(Rule::new(1)),
+            )
         };
         Self { system, description }
     }
 
+    /// The matrices of path p.
+    fn read(&self, rows: &[Row], p: usize) -> Vec<c64> {
+        let mut w = vec![c64::ZERO; self.description.dimension];
+        matrices(self.system.size(), |i| rows[i][p], &mut w);
+        w
+    }
+
+    /// V = ∇H₀(W)dt + ΣLₘdwₘ.
+    fn generator(&self, w: &[c64], dt: f64, dw: &[f64]) -> Vec<c64> {
+        let mut v = vec![c64::ZERO; w.len()];
+        self.system.generator(w, dt, dw, &mut v);
+        v
+    }
+
+    /// −i\[V, W\].
+    fn field(&self, v: &[c64], w: &[c64]) -> Vec<c64> {
+        let n = self.system.size();
+        let (mut memory, mut out) = (vec![c64::ZERO; n * n], vec![c64::ZERO; w.len()]);
+        bracket(n, v, w, &mut memory, &mut out);
+        out
+    }
+
     /// Operation on one path.
     fn on_path(&self, op: Op<&[Row]>, h: Weights<'_>, p: usize, out: &mut [Row]) {
-        let (system, n) = (&self.system, self.system.size());
-        let zero = || vec![c64::ZERO; out.len()];
-        let read = |rows: &[Row]| {
-            let mut w = zero();
-            matrices(n, |i| rows[i][p], &mut w);
-            w
-        };
-        let generator = |w: &[c64], h: Weights<'_>| {
-            let dw: Vec<f64> = h.dw.iter().map(|row| row[p]).collect();
-            let mut v = zero();
-            system.generator(w, h.dt, &dw, &mut v);
-            v
-        };
-        let field = |v: &[c64], w: &[c64]| {
-            let (mut memory, mut out) = (vec![c64::ZERO; n * n], zero());
-            bracket(n, v, w, &mut memory, &mut out);
-            out
-        };
+        let read = |rows: &[Row]| self.read(rows, p);
+        let dw = increments(h, p);
         let result = match op {
-            Op::Structure { y, v } => field(&read(v), &read(y)),
-            Op::StructureAlong { u, v, .. } => field(&read(v), &read(u)),
-            Op::Gradient { y } => generator(&read(y), h),
+            Op::Structure { y, v } => self.field(&read(v), &read(y)),
+            Op::StructureAlong { u, v, .. } => self.field(&read(v), &read(u)),
+            Op::Gradient { y } => self.generator(&read(y), h.dt, &dw),
             // The central difference is exact for quadratic gradients.
             Op::Hessian { y, u } => {
                 let (y, u) = (read(y), read(u));
                 let scale = (inner(&y, &y) / inner(&u, &u).max(f64::MIN_POSITIVE)).sqrt().max(1e-9);
                 let at = |by: f64| {
                     let moved: Vec<c64> = y.iter().zip(&u).map(|(y, u)| *y + *u * by).collect();
-                    generator(&moved, h)
+                    self.generator(&moved, h.dt, &dw)
                 };
                 let both = at(scale).into_iter().zip(at(-scale));
                 both.map(|(a, b)| (a - b) * (0.5 / scale)).collect()
             }
             Op::ItoCorrection { y } => {
-                let (y, mut sum) = (read(y), zero());
-                for m in 0..system.noises() {
-                    let mut dw = vec![0.0; system.noises()];
+                let (y, noises) = (read(y), self.system.noises());
+                let mut sum = vec![c64::ZERO; y.len()];
+                for m in 0..noises {
+                    let mut dw = vec![0.0; noises];
                     dw[m] = 1.0;
-                    let mut v = zero();
-                    system.generator(&y, 0.0, &dw, &mut v);
-                    let twice = field(&v, &field(&v, &y));
+                    let v = self.generator(&y, 0.0, &dw);
+                    let twice = self.field(&v, &self.field(&v, &y));
                     sum.iter_mut().zip(twice).for_each(|(sum, of)| *sum += of * 0.5);
                 }
                 sum
             }
             _ => panic!("{} has no {op:?}", self.description.name),
         };
-        coordinates(n, &result, |i, value| out[i][p] = value);
+        coordinates(self.system.size(), &result, |i, value| out[i][p] = value);
     }
 }
 
-impl<S: MatrixSystem> System for InCoordinates<S> {
+impl<S: MatrixSystem + ?Sized> System for InCoordinates<S> {
     fn description(&self) -> &Description {
         &self.description
     }
@@ -235,12 +255,11 @@ impl<S: MatrixSystem> System for InCoordinates<S> {
         out: &mut [Row],
         scratch: &mut [Row],
     ) {
-        if op.is_average() || matches!(op, Op::AveragedHessian { .. }) {
+        if op.is_average() {
             return derived(self, op, h, out, scratch);
         }
         for p in 0..WIDTH {
-            let like = |rows: &[Row]| rows.iter().all(|row| row[p].to_bits() == row[0].to_bits());
-            if p > 0 && like(h.dw) && op.arguments().all(like) {
+            if p > 0 && is_first(h.dw, p) && op.arguments().all(|rows| is_first(rows, p)) {
                 out.iter_mut().for_each(|row| row[p] = row[0]);
             } else {
                 self.on_path(op, h, p, out);
@@ -250,59 +269,20 @@ impl<S: MatrixSystem> System for InCoordinates<S> {
 
     /// The Hamiltonian of a noise is ⟨W, Lₘ⟩.
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
-        let (system, n) = (&self.system, self.system.size());
-        let mut w = vec![c64::ZERO; self.description.dimension];
-        let mut v = w.clone();
         for p in 0..WIDTH {
-            matrices(n, |i| y[i][p], &mut w);
-            let dw: Vec<f64> = h.dw.iter().map(|row| row[p]).collect();
-            system.generator(&w, 0.0, &dw, &mut v);
-            out[p] = system.energy(&w) * h.dt + inner(&w, &v);
+            let w = self.read(y, p);
+            let noise = inner(&w, &self.generator(&w, 0.0, &increments(h, p)));
+            out[p] = self.system.energy(&w) * h.dt + noise;
         }
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
-        let n = self.system.size();
-        let mut w = vec![c64::ZERO; self.description.dimension];
         for p in 0..WIDTH {
-            let is_first = p > 0 && y.iter().all(|row| row[p].to_bits() == row[0].to_bits());
-            out[p] = if is_first {
+            out[p] = if p > 0 && is_first(y, p) {
                 out[0]
             } else {
-                matrices(n, |i| y[i][p], &mut w);
-                traces(n, &w, index + 2)[index + 1]
+                traces(self.system.size(), &self.read(y, p), index + 2)[index + 1]
             };
         }
-    }
-}
-
-/// A system that is shared.
-impl<S: MatrixSystem + ?Sized> MatrixSystem for std::sync::Arc<S> {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-    fn parameters(&self) -> String {
-        (**self).parameters()
-    }
-    fn size(&self) -> usize {
-        (**self).size()
-    }
-    fn sites(&self) -> usize {
-        (**self).sites()
-    }
-    fn noises(&self) -> usize {
-        (**self).noises()
-    }
-    fn noises_commute(&self) -> bool {
-        (**self).noises_commute()
-    }
-    fn has_bath(&self) -> bool {
-        (**self).has_bath()
-    }
-    fn generator(&self, w: &[c64], dt: f64, dw: &[f64], v: &mut [c64]) {
-        (**self).generator(w, dt, dw, v);
-    }
-    fn energy(&self, w: &[c64]) -> f64 {
-        (**self).energy(w)
     }
 }

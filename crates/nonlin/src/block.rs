@@ -64,32 +64,19 @@ impl<const D: usize> Iterates<'_, D> {
         let number = f64::from(number);
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
-            let iterate = sweep(&equations.path(p), self.z.path(p), method);
-            unfinished = unfinished.wrapping_add(self.update(p, number, iterate, next));
+            let (after, excess) = sweep(&equations.path(p), self.z.path(p), method);
+            let pending = self.pending.0[0][p];
+            let frozen = pending <= 0.0;
+            for i in 0..D {
+                next.z.0[i][p] = if frozen { self.z.0[i][p] } else { after[i] };
+            }
+            // A NaN counts as not converged.
+            let now = if excess <= 0.0 { -number } else { 1.0 };
+            let now = if frozen { pending } else { now };
+            next.pending.0[0][p] = now;
+            unfinished = unfinished.wrapping_add(if now <= 0.0 { 0 } else { 1 });
         }
         unfinished
-    }
-
-    /// Stores sweep number `number` of path p, unless the path has converged before. Returns 1 if
-    /// it has not converged now.
-    #[inline(always)]
-    fn update(
-        &self,
-        p: usize,
-        number: f64,
-        (after, excess): Iterate<D>,
-        next: &mut Iterates<'_, D>,
-    ) -> u64 {
-        let pending = self.pending.0[0][p];
-        let frozen = pending <= 0.0;
-        for i in 0..D {
-            next.z.0[i][p] = if frozen { self.z.0[i][p] } else { after[i] };
-        }
-        // A NaN counts as not converged.
-        let now = if excess <= 0.0 { -number } else { 1.0 };
-        let now = if frozen { pending } else { now };
-        next.pending.0[0][p] = now;
-        if now <= 0.0 { 0 } else { 1 }
     }
 }
 

@@ -60,10 +60,9 @@ fn test_prediction<const D: usize>(
     start: [f64; D],
     (prediction, bound): ([f64; D], f64),
 ) -> Iterate<D> {
-    let has_bound = bound < f64::INFINITY;
-    let (mut z, mut size) = (start, 0.0);
+    let z = select(bound < f64::INFINITY, prediction, start);
+    let mut size = 0.0;
     for i in 0..D {
-        z[i] = if has_bound { prediction[i] } else { start[i] };
         size += prediction[i].abs();
     }
     // The last product is NaN if a number is infinite, and zero otherwise.
@@ -96,12 +95,16 @@ pub fn settled_path<E: FixedPoint<D>, const D: usize>(
     method: Method,
 ) -> [f64; D] {
     let (after, excess) = sweep(equation, z, method);
-    let keep = excess.is_finite();
-    let mut settled = z;
+    select(excess.is_finite(), after, z)
+}
+
+/// One or the other vector, without a branch.
+#[inline(always)]
+fn select<const D: usize>(first: bool, one: [f64; D], mut other: [f64; D]) -> [f64; D] {
     for i in 0..D {
-        settled[i] = if keep { after[i] } else { z[i] };
+        other[i] = if first { one[i] } else { other[i] };
     }
-    settled
+    other
 }
 
 /// The last three iterates.
@@ -163,20 +166,21 @@ fn test_fixed_point<const D: usize>(tail: Tail<D>) -> Iterate<D> {
 fn newton_twice<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
     let (y, z) = (one.map(one.map(one.start())), other.map(other.map(other.start())));
     let ((matrix, before), (matrix_other, before_other)) =
-        (newton_step(y, one.jacobian(y)), newton_step(z, other.jacobian(z)));
+        (newton_step(one, y), newton_step(other, z));
     let next =
         (simplified_step(one, matrix, before), simplified_step(other, matrix_other, before_other));
     ([y, before, next.0], [z, before_other, next.1])
 }
 
-/// From ψ(z) and ψ′(z): the factored matrix I − ψ′(z) and z − (I − ψ′(z))⁻¹(z − ψ(z)).
+/// The factored matrix I − ψ′(z) and z − (I − ψ′(z))⁻¹(z − ψ(z)).
 #[inline(always)]
-fn newton_step<const D: usize>(
+fn newton_step<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
     z: [f64; D],
-    (value, jacobian): ([f64; D], [[f64; D]; D]),
 ) -> (Factored<f64, D>, [f64; D]) {
-    let matrix = Factored::new(identity_minus(jacobian));
-    (matrix, minus(z, matrix.solve(minus(z, value))))
+    let (matrix, defect) = linearised(equation, z);
+    let matrix = Factored::new(matrix);
+    (matrix, minus(z, matrix.solve(defect)))
 }
 
 /// z − (I − ψ′)⁻¹(z − ψ(z)) with a given matrix.
@@ -203,22 +207,14 @@ fn test_newton<const D: usize>(start: [f64; D], tail: Tail<D>) -> Iterate<D> {
     let excess = change * GUARD * change - allowed * (GUARD / NEWTON_MARGIN) * before;
     // A difference, so that an infinite change does not count as converged.
     let done = (excess <= 0.0) | (change - allowed <= 0.0);
-    let mut z = tail[2];
-    for i in 0..D {
-        z[i] = if contracts | done { tail[2][i] } else { start[i] };
-    }
-    (z, if done { -1.0 } else { 1.0 })
+    (select(contracts | done, tail[2], start), if done { -1.0 } else { 1.0 })
 }
 
 /// One Newton iteration.
 #[inline(always)]
 fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Iterate<D> {
-    let (_, next) = newton_step(z, equation.jacobian(z));
-    let (mut change, mut size) = (0.0, 0.0);
-    for i in 0..D {
-        change += (next[i] - z[i]).abs();
-        size += next[i].abs();
-    }
+    let (_, next) = newton_step(equation, z);
+    let (change, _, size) = changes([z, z, next]);
     (next, change - size * NEWTON_TOLERANCE)
 }
 
@@ -236,19 +232,14 @@ pub fn linearised<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     z: [f64; D],
 ) -> ([[f64; D]; D], [f64; D]) {
-    let (value, jacobian) = equation.jacobian(z);
-    (identity_minus(jacobian), minus(z, value))
-}
-
-#[inline(always)]
-fn identity_minus<const D: usize>(mut matrix: [[f64; D]; D]) -> [[f64; D]; D] {
+    let (value, mut matrix) = equation.jacobian(z);
     for i in 0..D {
         for j in 0..D {
             matrix[i][j] = -matrix[i][j];
         }
         matrix[i][i] += 1.0;
     }
-    matrix
+    (matrix, minus(z, value))
 }
 
 #[cfg(test)]

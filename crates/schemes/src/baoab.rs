@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use systems::Damping;
 
+/// A rate of friction, and the components that it damps.
+pub type Friction = (Arc<dyn Damping>, Vec<usize>);
+
 /// Splitting for Langevin dynamics, `baoab` (Leimkuhler and Matthews, *Appl. Math. Res. Express*
 /// 2013), for systems known at run time.
 ///
@@ -25,12 +28,12 @@ use systems::Damping;
 #[derive(Clone, Default)]
 pub struct Baoab {
     /// Rates of friction, and the components that each damps.
-    pub(crate) friction: Vec<(Arc<dyn Damping>, Vec<usize>)>,
+    pub(crate) friction: Vec<Friction>,
 }
 
 impl Baoab {
     /// The scheme for friction on components besides the damping of all of them.
-    pub fn new(friction: impl IntoIterator<Item = (Arc<dyn Damping>, Vec<usize>)>) -> Self {
+    pub fn new(friction: impl IntoIterator<Item = Friction>) -> Self {
         Self { friction: friction.into_iter().collect() }
     }
 }

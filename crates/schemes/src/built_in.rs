@@ -6,7 +6,13 @@ use BuiltIn::{
 };
 use systems::{Flows, PoissonSystem, run_time::System};
 
-use crate::{Scheme, SchemeError, run_time};
+use crate::{
+    Scheme, SchemeError,
+    run_time::{
+        self,
+        composition::{parts, parts_by_noise},
+    },
+};
 
 /// A scheme of this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,19 +120,16 @@ impl BuiltIn {
     ];
 
     /// The scheme of this name.
-    #[must_use]
     pub fn named(id: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scheme| scheme.id() == id)
     }
 
     /// Name of the scheme.
-    #[must_use]
     pub fn id(self) -> &'static str {
         self.properties().id
     }
 
     /// Orders and long-time behaviour of the scheme.
-    #[must_use]
     pub fn properties(self) -> Properties {
         let sexp = Properties {
             id: "sexp",
@@ -191,20 +194,17 @@ impl BuiltIn {
     }
 
     /// Whether the scheme reads Lévy areas where noises do not commute.
-    #[must_use]
     pub fn is_for_areas(self) -> bool {
         self.properties().strong == StrongOrder::Areas
     }
 
     /// Whether the scheme uses fields alone, so that it is for equations [without B and
     /// H](systems::run_time::Description::plain).
-    #[must_use]
     pub fn is_for_plain(self) -> bool {
         matches!(self, Midpoint | Heun | HeunLevy | EulerMaruyama)
     }
 
     /// Behaviour over long times, in words. `constant`: B does not depend on y.
-    #[must_use]
     pub fn long_times(self, constant: bool) -> &'static str {
         match self.properties() {
             Properties { explicit: Explicitness::WhereConstant, .. } if constant => {
@@ -216,7 +216,6 @@ impl BuiltIn {
 
     /// Whether a step is explicit, so that energies drift or explode. `constant`: B does not depend
     /// on y.
-    #[must_use]
     pub fn is_explicit(self, constant: bool) -> bool {
         match self.properties().explicit {
             Explicitness::Always => true,
@@ -283,36 +282,27 @@ impl BuiltIn {
         if description.plain && !self.is_for_plain() {
             return Err(SchemeError::not_for(self.id(), &description.name, PLAIN));
         }
-        Ok(match (self, &description.parts) {
-            (Sexp, _) => Box::new(crate::Sexp),
-            (SexpLevy, _) => Box::new(crate::SexpLevy::at_run_time(system)?),
-            (SexpLi, _) => Box::new(crate::SexpLi::at_run_time(system)?),
-            (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
-            (Midpoint, _) => Box::new(crate::Midpoint),
-            (Heun, _) => Box::new(crate::Heun),
-            (HeunLevy, _) if description.noises_commute => Box::new(crate::HeunLevy::<false>),
-            (HeunLevy, _) => fits(crate::HeunLevy::<true>, system)?,
-            (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),
-            (Split, Ok(_)) => Box::new(crate::Split),
-            (Nv, Ok(parts)) if parts.of_noise.len() == description.noises => {
-                Box::new(crate::Nv::default())
-            }
-            (Baoab, Ok(_)) => fits(crate::Baoab::default(), system)?,
-            (SplitH, Ok(_)) => fits(crate::SplitH::of(system, []), system)?,
-            (SexpH, _) => fits(crate::SexpH::of(system, []), system)?,
-            (Split | SplitH | Nv | Baoab, parts) => {
-                let reason = parts
-                    .as_ref()
-                    .err()
-                    .map_or("the flow of each Hamiltonian is not known", String::as_str);
-                return Err(SchemeError::parts(self.id(), &description.name, reason));
-            }
+        Ok(match self {
+            Sexp => Box::new(crate::Sexp),
+            SexpLevy => Box::new(crate::SexpLevy::at_run_time(system)?),
+            SexpLi => Box::new(crate::SexpLi::at_run_time(system)?),
+            SexpLiLevy => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
+            Midpoint => Box::new(crate::Midpoint),
+            Heun => Box::new(crate::Heun),
+            HeunLevy if description.noises_commute => Box::new(crate::HeunLevy::<false>),
+            HeunLevy => fits(crate::HeunLevy::<true>, system)?,
+            EulerMaruyama => Box::new(crate::EulerMaruyama),
+            Split => parts("split", system).map(|_| Box::new(crate::Split))?,
+            Nv => parts_by_noise("nv", system).map(|_| Box::new(crate::Nv::default()))?,
+            Baoab => fits(crate::Baoab::default(), system)?,
+            SplitH => fits(crate::SplitH::of(system, []), system)?,
+            SexpH => fits(crate::SexpH::of(system, []), system)?,
         })
     }
 }
 
 /// Why a scheme is not for a [plain](systems::run_time::Description::plain) equation.
-pub(crate) const PLAIN: &str = "an equation of drift and noise alone has neither B nor H, from \
+pub const PLAIN: &str = "an equation of drift and noise alone has neither B nor H, from \
                                 which it is made: take heun, heun-levy, midpoint or em";
 
 /// Why a scheme is refused.

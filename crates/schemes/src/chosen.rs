@@ -6,8 +6,11 @@ use real::Block;
 use systems::{PoissonSystem, run_time::System};
 
 use crate::{
-    About, Scheme, SchemeError, Sexp, SexpLevy, SexpLi, Step, Stepper, kernel::about, run_time,
-    sexp_levy::WithAreas, sexp_li::LinearlyImplicit,
+    About, Scheme, Sexp, SexpLevy, SexpLi, Step,
+    kernel::about,
+    run_time::{self, scheme::Made},
+    sexp_levy::WithAreas,
+    sexp_li::LinearlyImplicit,
 };
 
 /// Both traits of schemes for a type, given its [`About`] for several noises, and the formula for
@@ -52,10 +55,7 @@ macro_rules! chosen {
                 $about
             }
 
-            fn stepper<'a>(
-                &'a self,
-                system: &'a dyn System,
-            ) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+            fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
                 const $M: usize = 2;
                 let $this = self;
                 let formula: &'static dyn run_time::Scheme = $formula;

@@ -110,11 +110,11 @@ impl<R: Real, const D: usize> Mul<f64> for Vector<R, D> {
 
 /// The increment of a [`PoissonSystem`] on numbers of type R; S is a reference to the system.
 #[derive(Clone, Copy)]
-pub(crate) struct SystemIncrement<S, R, const D: usize, const M: usize> {
-    pub(crate) system: S,
-    pub(crate) step: Step,
-    pub(crate) noise: Noise<M>,
-    pub(crate) number: PhantomData<R>,
+pub struct SystemIncrement<S, R, const D: usize, const M: usize> {
+    pub system: S,
+    pub step: Step,
+    pub noise: Noise<M>,
+    pub number: PhantomData<R>,
 }
 
 impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
@@ -166,7 +166,7 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
 
 /// A constant vector on numbers of type R.
 #[inline(always)]
-pub(crate) fn constant<R: Real, const D: usize>(y: [f64; D]) -> Vector<R, D> {
+pub fn constant<R: Real, const D: usize>(y: [f64; D]) -> Vector<R, D> {
     let mut constant = [R::zero(); D];
     for i in 0..D {
         constant[i] = R::constant(y[i]);

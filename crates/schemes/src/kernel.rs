@@ -51,7 +51,7 @@ where
 }
 
 /// Identifier and needs of a formula for several noises.
-pub(crate) const fn about<F: Implicit>() -> About {
+pub const fn about<F: Implicit>() -> About {
     let (reads_areas, clips_increments) = (F::READS_AREAS, F::CLIPS_INCREMENTS);
     About { reads_areas, clips_increments, ..About::new(F::ID) }
 }
@@ -66,7 +66,7 @@ fn scaled<const D: usize>(mut y: [f64; D], factor: f64) -> [f64; D] {
 
 /// Whether the second half of the damping may give a state that is not finite.
 #[inline(always)]
-fn may_overflow(step: &Step) -> bool {
+pub fn may_overflow(step: &Step) -> bool {
     step.second_decay > 1.0 || step.second_decay.is_nan()
 }
 

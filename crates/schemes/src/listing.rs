@@ -54,20 +54,18 @@ impl Sweeps {
 impl<'a> Listing<'a> {
     /// An explicit step by one program.
     pub(crate) fn new(program: &'a mut dyn Program, factors: &'a [f64], dt: f64, t: f64) -> Self {
-        let (noise, before, after) = Default::default();
-        let (turn, reads_space_time, sweeps, guard) = ((0, 1), false, None, None);
         Self {
             program,
-            turn,
+            turn: (0, 1),
             factors,
             dt,
             t,
-            noise,
-            reads_space_time,
-            before,
-            after,
-            sweeps,
-            guard,
+            noise: Vec::new(),
+            reads_space_time: false,
+            before: Vec::new(),
+            after: Vec::new(),
+            sweeps: None,
+            guard: None,
         }
     }
 }

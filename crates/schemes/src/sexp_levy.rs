@@ -48,10 +48,10 @@ impl SexpLevy {
     /// [shows the identity](run_time::Description::jacobi_holds).
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
         let Description { name, noises_commute, jacobi_holds, .. } = system.description();
-        match noises_commute | jacobi_holds {
-            true => Ok(Self { commuting: *noises_commute }),
-            false => Err(SchemeError::jacobi(WithAreas::ID, name)),
+        if !(noises_commute | jacobi_holds) {
+            return Err(SchemeError::jacobi(WithAreas::ID, name));
         }
+        Ok(Self { commuting: *noises_commute })
     }
 
     /// Whether the noises commute, so that the scheme reads no areas.
@@ -61,7 +61,7 @@ impl SexpLevy {
 }
 
 /// The formula for noises that do not commute.
-pub(crate) struct WithAreas;
+pub struct WithAreas;
 
 impl Implicit for WithAreas {
     const ID: &'static str = "sexp-levy";

@@ -117,7 +117,7 @@ impl SexpLi {
 }
 
 /// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.
-pub(crate) struct LinearlyImplicit<const IMPLICIT: bool, const AREAS: bool>;
+pub struct LinearlyImplicit<const IMPLICIT: bool, const AREAS: bool>;
 
 impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPLICIT, AREAS> {
     const ID: &'static str = if AREAS { "sexp-li-levy" } else { "sexp-li" };

@@ -1,14 +1,12 @@
 //! Flows in turn along a path that has the space-time areas of the noise.
 
-use std::sync::Arc;
-
 use real::unrolled;
 use systems::{
-    Damping, Flows,
+    Flows,
     run_time::{Description, System},
 };
 
-use crate::{Composition, Paths, Step, Times};
+use crate::{Composition, Paths, Step, Times, baoab::Friction};
 
 /// Splitting of strong order 1.5 or 2 for noises that commute, `split-h`.
 ///
@@ -31,23 +29,20 @@ use crate::{Composition, Paths, Step, Times};
 #[derive(Clone)]
 pub struct SplitH {
     /// Rates of friction, and the components that each damps.
-    pub friction: Vec<(Arc<dyn Damping>, Vec<usize>)>,
+    pub friction: Vec<Friction>,
     /// δ over ΔW.
     pub delta: f64,
 }
 
 impl SplitH {
     /// δ = ΔW/√6, for friction on components besides the damping of all of them.
-    pub fn new(friction: impl IntoIterator<Item = (Arc<dyn Damping>, Vec<usize>)>) -> Self {
+    pub fn new(friction: impl IntoIterator<Item = Friction>) -> Self {
         Self { friction: friction.into_iter().collect(), delta: (1.0f64 / 6.0).sqrt() }
     }
 
     /// The scheme with δ = 0 where the system is [of Langevin's
     /// kind](systems::run_time::Description::is_langevin).
-    pub fn of(
-        system: &dyn System,
-        friction: impl IntoIterator<Item = (Arc<dyn Damping>, Vec<usize>)>,
-    ) -> Self {
+    pub fn of(system: &dyn System, friction: impl IntoIterator<Item = Friction>) -> Self {
         let new = Self::new(friction);
         if system.description().is_langevin { Self { delta: 0.0, ..new } } else { new }
     }
@@ -114,10 +109,7 @@ pub struct SexpH {
 
 impl SexpH {
     /// The scheme with the δ of [`SplitH::of`].
-    pub fn of(
-        system: &dyn System,
-        friction: impl IntoIterator<Item = (Arc<dyn Damping>, Vec<usize>)>,
-    ) -> Self {
+    pub fn of(system: &dyn System, friction: impl IntoIterator<Item = Friction>) -> Self {
         let Description { parts, noises, .. } = system.description();
         let flows = parts.as_ref().map_or(0, |parts| parts.of_noise.iter().flatten().count());
         Self { path: SplitH::of(system, friction), clips: flows < *noises }

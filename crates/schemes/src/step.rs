@@ -46,7 +46,7 @@ impl Step {
     ///
     /// # Errors
     /// [`StepError`] unless 0 < τ < ∞.
-    pub fn new(damping: &(impl Damping + ?Sized), n: u64, tau: f64) -> Result<Self, StepError> {
+    pub fn new(damping: &dyn Damping, n: u64, tau: f64) -> Result<Self, StepError> {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(StepError { tau });
         }
@@ -67,24 +67,21 @@ impl Step {
 
     /// exp(−∫γ) of another damping over a half of the step: 0 is the first, 1 the second. It is
     /// dithered like the factors of the step.
-    pub fn decay(&self, damping: &(impl Damping + ?Sized), half: u64) -> f64 {
+    pub fn decay(&self, damping: &dyn Damping, half: u64) -> f64 {
         over_half(damping, self.tau, self.number(), half).1
     }
 
     /// A step of size `tau`, which may be negative, about the middle of this one, without damping.
     pub(crate) fn undamped(&self, tau: f64) -> Self {
-        let t = self.t + 0.5 * (self.tau - tau);
-        let [first_decay, second_decay] = [1.0; 2];
-        let [rate_at_start, rate_at_middle, rate_at_end, damping_integral] = [0.0; 4];
         Self {
-            t,
+            t: self.t + 0.5 * (self.tau - tau),
             tau,
-            first_decay,
-            second_decay,
-            rate_at_start,
-            rate_at_middle,
-            rate_at_end,
-            damping_integral,
+            first_decay: 1.0,
+            second_decay: 1.0,
+            rate_at_start: 0.0,
+            rate_at_middle: 0.0,
+            rate_at_end: 0.0,
+            damping_integral: 0.0,
         }
     }
 
@@ -101,7 +98,7 @@ impl Step {
 
 /// ∫γ and exp(−∫γ), dithered, over a half of step number n of size `tau`: 0 is the first, 1 the
 /// second.
-fn over_half(damping: &(impl Damping + ?Sized), tau: f64, n: u64, half: u64) -> (f64, f64) {
+fn over_half(damping: &dyn Damping, tau: f64, n: u64, half: u64) -> (f64, f64) {
     // Times are products, not sums, so that t_n agrees for different step sizes.
     let time = |halves: u64| (n as f64 + 0.5 * halves as f64) * tau;
     let integral = damping.integral(time(half), time(half + 1));

@@ -14,7 +14,7 @@ pub fn cayley_by_elimination<S, R: Real, const D: usize, const M: usize>(
     v: [R; D],
 ) -> [R; D]
 where
-    S: PoissonSystem<D, M> + ?Sized,
+    S: PoissonSystem<D, M>,
 {
     let matrix = identity_minus_half(system, v);
     let constant = system.structure([R::zero(); D], v);
@@ -34,7 +34,7 @@ pub fn identity_minus_half<S, R: Real, const D: usize, const M: usize>(
     v: [R; D],
 ) -> [[R; D]; D]
 where
-    S: PoissonSystem<D, M> + ?Sized,
+    S: PoissonSystem<D, M>,
 {
     let zero = [R::zero(); D];
     let mut matrix = [zero; D];

@@ -32,18 +32,22 @@ fn unless(is_valid: bool, name: &str, must: &str, value: f64) -> Result<f64, Sys
     is_valid.then_some(value).ok_or_else(refused)
 }
 
-pub(crate) fn finite(name: &str, value: f64) -> Result<f64, SystemError> {
+/// Checks that a parameter is finite.
+///
+/// # Errors
+/// [`SystemError`] with its name otherwise.
+pub fn finite(name: &str, value: f64) -> Result<f64, SystemError> {
     unless(value.is_finite(), name, "finite", value)
 }
 
-pub(crate) fn positive(name: &str, value: f64) -> Result<f64, SystemError> {
+pub fn positive(name: &str, value: f64) -> Result<f64, SystemError> {
     unless(value.is_finite() && value > 0.0, name, "positive and finite", value)
 }
 
-pub(crate) fn finite_state(y0: &[f64]) -> Result<(), SystemError> {
+pub fn finite_state(y0: &[f64]) -> Result<(), SystemError> {
     SystemError::unless_all(y0, f64::is_finite, "that it is finite")
 }
 
-pub(crate) fn final_time(t_end: f64) -> Result<f64, SystemError> {
+pub fn final_time(t_end: f64) -> Result<f64, SystemError> {
     positive("the final time T", t_end)
 }

@@ -10,7 +10,7 @@ use crate::PoissonSystem;
 
 /// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
 /// h(y), and as a [`GradientField`] ∇h(y).
-pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
+pub struct HamiltonianIncrement<'a, S, const M: usize> {
     /// The system.
     pub system: &'a S,
     /// The weight of H₀.
@@ -19,7 +19,7 @@ pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
     pub dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D>
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
     for HamiltonianIncrement<'_, S, M>
 {
     #[inline(always)]
@@ -28,7 +28,7 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunc
     }
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientField<D>
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> GradientField<D>
     for HamiltonianIncrement<'_, S, M>
 {
     #[inline(always)]
@@ -39,7 +39,7 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientFi
 
 /// The vector field B(y)∇h(y) = f₀(y)dt + Σ fₘ(y)dwₘ with fₘ = B∇Hₘ.
 #[inline(always)]
-pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+pub fn vector_field<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize>(
     system: &S,
     y: [R; D],
     dt: f64,
@@ -50,12 +50,7 @@ pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, co
 
 /// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v, including that of B.
 #[inline(always)]
-pub fn vector_field_derivative<
-    S: PoissonSystem<D, M> + ?Sized,
-    R: Real,
-    const D: usize,
-    const M: usize,
->(
+pub fn vector_field_derivative<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize>(
     system: &S,
     y: [R; D],
     dt: f64,
@@ -76,7 +71,7 @@ pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
 /// ½Σₘ fₘ′(y)fₘ(y), the drift that converts the Stratonovich equation to the Itô equation. The
 /// derivative includes that of B. It takes one evaluation on dual numbers per noise.
 #[inline(always)]
-pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+pub fn ito_correction<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize>(
     system: &S,
     y: [R; D],
 ) -> [R; D] {
@@ -99,7 +94,7 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
 /// With Gₘ = Σ_l A_ml ∇H_l it is Σₘ (∇²Hₘ B Gₘ + ½∇ₓ(∇HₘᵀB(x)Gₘ)), the second gradient being that
 /// of B alone: a directional derivative of ∇Hₘ for each noise.
 #[inline(always)]
-pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+pub fn area_gradient<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize>(
     system: &S,
     y: [R; D],
     areas: [[f64; M]; M],
@@ -127,7 +122,7 @@ pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, c
 /// Degree of h as a polynomial in y that its formula shows. The compiler knows it of an inlined
 /// formula.
 #[inline(always)]
-pub fn degree<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn degree<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     dt: f64,
     dw: [f64; M],
@@ -138,7 +133,7 @@ pub fn degree<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
 /// Whether the formula of h shows a polynomial of degree at most two in y. Then ∇h is affine and
 /// ∇̄h(a, b) = ∇h((a+b)/2). The compiler answers it for an inlined formula.
 #[inline(always)]
-pub fn is_quadratic<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn is_quadratic<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     dt: f64,
     dw: [f64; M],
@@ -163,7 +158,7 @@ const MIN_POINTS: usize = 3;
 /// fields that commute on an open set commute everywhere, and fields that do not pass at such
 /// points with probability zero. Pieces (a condition, a square root) may act where no point is, so
 /// the answer is `false`: it is safe, and costs areas.
-pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn noises_commute<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
 ) -> bool {
@@ -178,7 +173,7 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
 
 /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises, which Jacobi's identity for B implies, shown
 /// as in [`noises_commute`].
-pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn jacobi_holds<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
 ) -> bool {
@@ -192,7 +187,7 @@ pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: us
 }
 
 /// Whether the `defect` of every two noises m < l vanishes around y.
-fn shown_around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+fn shown_around<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
     defect: fn(&S, [Bounded; D], usize, usize) -> [Bounded; D],
@@ -221,6 +216,12 @@ pub fn vanish(
     points.len() >= MIN_POINTS && points.iter().all(vanish_at)
 }
 
+/// Component i of direction number n, between −1 and 1: multiples of the golden ratio, modulo one,
+/// differ in every component.
+pub fn direction(n: u32, dimension: usize, i: usize) -> f64 {
+    2.0 * golden(f64::from(n) * dimension as f64 + (i + 1) as f64) - 1.0
+}
+
 /// y, and points around it in several directions, moved towards y into the domain.
 pub fn around(y: &[f64], in_domain: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
     let mut points = vec![y.to_vec()];
@@ -229,9 +230,7 @@ pub fn around(y: &[f64], in_domain: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
         let inside = (0..HALVINGS).find_map(|halvings| {
             let length = distance * f64::powi(0.5, halvings as i32);
             let component = |(i, y): (usize, &f64)| {
-                // Multiples of the golden ratio, modulo one, differ in every component.
-                let number = f64::from(n / 2) * points[0].len() as f64 + (i + 1) as f64;
-                let direction = 2.0 * golden(number) - 1.0;
+                let direction = direction(n / 2, points[0].len(), i);
                 y + sign * direction * length * f64::max(1.0, y.abs())
             };
             let point: Vec<f64> = y.iter().enumerate().map(component).collect();

@@ -75,7 +75,7 @@ pub mod run_time;
 mod system;
 
 pub use damping::{Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, Sine};
-pub use error::SystemError;
+pub use error::{SystemError, finite};
 pub use field::{
     HamiltonianIncrement, area_gradient, is_quadratic, ito_correction, jacobi_holds,
     noises_commute, unit_noise, vector_field, vector_field_derivative,

@@ -1,8 +1,8 @@
 //! How B depends on y, which decides whether a step can be linearly implicit.
 
-use real::{Bounded, Degree, elementary, golden};
+use real::{Bounded, Degree, elementary};
 
-use crate::{PoissonSystem, cayley::identity_minus_half};
+use crate::{PoissonSystem, cayley::identity_minus_half, field};
 
 /// Dependence of the structure matrix B on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,18 +18,17 @@ pub enum Linearity {
 /// Dependence of B on y, shown by its formula: the degree of every column B(y)eⱼ as a polynomial in
 /// y, which [`Bounded`] bounds, at this point. A formula made of pieces may be something else
 /// elsewhere.
-pub fn linearity<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn linearity<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
 ) -> Linearity {
-    let mut degree = Degree::CONSTANT;
-    let ((), pieces) = Bounded::piecewise(|| {
-        for j in 0..D {
+    let (degree, pieces) = Bounded::piecewise(|| {
+        (0..D).fold(Degree::CONSTANT, |degree, j| {
             let mut unit = [Bounded::exact(0.0); D];
             unit[j] = Bounded::exact(1.0);
             let column = system.structure(y.map(Bounded::variable), unit);
-            degree = column.iter().fold(degree, |degree, entry| degree + entry.degree);
-        }
+            column.iter().fold(degree, |degree, entry| degree + entry.degree)
+        })
     });
     match degree {
         _ if pieces => Linearity::Other,
@@ -53,7 +52,7 @@ const ROUNDING: f64 = 1e-9;
 /// If all eigenvalues of A(v) are imaginary for all v, as where a quadratic Casimir is positive
 /// definite, the determinant is Π(1 + ωᵢ²/4). A real eigenvalue λ of A(v) makes I − ½A(2v/λ)
 /// singular, and the determinant is below one on the way there.
-pub fn always_solvable<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn always_solvable<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
 ) -> bool {
@@ -80,11 +79,7 @@ pub fn shown_solvable(dimension: usize, blocks: impl Fn(&[f64]) -> Vec<Matrix>) 
 fn direction(n: u32, dimension: usize) -> Vec<f64> {
     let position = f64::from(n) / f64::from(TRIED - 1);
     let size = SIZES[0] * elementary::powf(SIZES[1] / SIZES[0], position);
-    let component = |i: usize| {
-        let number = f64::from(n) * dimension as f64 + (i + 1) as f64;
-        2.0 * golden(number) - 1.0
-    };
-    let v: Vec<f64> = (0..dimension).map(component).collect();
+    let v: Vec<f64> = (0..dimension).map(|i| field::direction(n, dimension, i)).collect();
     let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     v.iter().map(|x| x * size / norm).collect()
 }

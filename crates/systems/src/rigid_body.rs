@@ -17,14 +17,13 @@ fn half_square<R: Real>(y: [R; 3]) -> R {
 const CASIMIR: Invariant = Invariant::quadratic_casimir("C", "½(y₁² + y₂² + y₃²)");
 
 fn reciprocals<const N: usize>(
-    inertia: [f64; N],
-    names: [&'static str; 3],
+    mut inertia: [f64; N],
+    symbol: &str,
 ) -> Result<[f64; N], SystemError> {
-    let mut reciprocal = [0.0; N];
     for i in 0..N {
-        reciprocal[i] = 1.0 / positive(names[i], inertia[i])?;
+        inertia[i] = 1.0 / positive(&format!("{symbol}{}", i + 1), inertia[i])?;
     }
-    Ok(reciprocal)
+    Ok(inertia)
 }
 
 /// The free rigid body with M = 1 or 3 independent noises (Bréhier, Cohen and Komori 2025,
@@ -64,10 +63,10 @@ impl RigidBody<1> {
 
 impl<const M: usize> RigidBody<M> {
     fn with_noises(inertia: [f64; 3], noise_inertia: [f64; M]) -> Result<Self, SystemError> {
-        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
+        let drift = reciprocals(inertia, "I")?;
         let [a, b, c] = drift;
         let middle = a.min(b).max(a.max(b).min(c));
-        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])?, middle })
+        Ok(Self { drift, noise: reciprocals(noise_inertia, "Î")?, middle })
     }
 
     /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².

@@ -23,7 +23,7 @@ use crate::{
     message = "`{Self}` is not a system dy = (B∇H₀ − γy) dt + Σ B∇Hₘ ∘ dWₘ with D = {D}, M = {M}",
     note = "implement `PoissonSystem<{D}, {M}>`: B(y)v and h = H₀ dt + Σ Hₘ dWₘ"
 )]
-pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
+pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync + Sized {
     /// The name of the system in reports.
     fn name(&self) -> &'static str;
 
@@ -169,6 +169,6 @@ pub enum ImplicitStep {
 }
 
 /// Panics for an index beyond the invariants of a system.
-pub(crate) fn no_invariant(system: &str, index: usize) -> ! {
+pub fn no_invariant(system: &str, index: usize) -> ! {
     panic!("{system} has no invariant of index {index}")
 }

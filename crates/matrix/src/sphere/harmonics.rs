@@ -90,7 +90,7 @@ impl Harmonics {
 }
 
 /// Adds a multiple of the real harmonic of order m with this diagonal.
-pub(super) fn add(n: usize, w: &mut [c64], profile: &[f64], m: isize, coefficient: f64) {
+pub fn add(n: usize, w: &mut [c64], profile: &[f64], m: isize, coefficient: f64) {
     let part = match m {
         0 => c64::new(0.5 * coefficient, 0.0),
         1.. => c64::new(coefficient * FRAC_1_SQRT_2, 0.0),

@@ -5,7 +5,7 @@ mod harmonics;
 
 use faer::c64;
 use std::f64::consts::PI;
-use systems::SystemError;
+use systems::{SystemError, finite};
 
 pub use grid::{Grid, gauss};
 pub use harmonics::Harmonics;
@@ -75,11 +75,8 @@ impl Sphere {
             let most = Harmonics::LARGEST;
             return Err(SystemError(format!("matrices have a size from 2 to {most}, got {n}")));
         }
-        for (what, x) in [("the rotation", rotation), ("the advection", advection)] {
-            if !x.is_finite() {
-                return Err(SystemError(format!("{what} must be finite, got {x}")));
-            }
-        }
+        finite("the rotation", rotation)?;
+        finite("the advection", advection)?;
         let (harmonics, scale) = (Harmonics::new(n), bracket_scale(n));
         let noise = |one: Stirring| {
             let Stirring { degree, order, strength } = one;

@@ -1,24 +1,21 @@
 //! Compositions of flows for systems known at run time.
 
-use std::sync::Arc;
-
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows, elementary::exp};
 use systems::{
-    Damping,
     probe::TRIPLE_JUMP,
     run_time::{Description, Lanes, Move, Parts, Program, System, Weights, palindrome},
 };
 
-use super::{Scheme, SchemeError};
+use super::{Scheme, SchemeError, scheme::Made};
 use crate::{
-    About, Baoab, Listing, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep,
+    About, Baoab, Listing, Nv, Sexp, SexpH, Split, SplitH, Step, Stepper, Sweep, baoab::Friction,
     built_in::DO_NOT_COMMUTE,
 };
 
 /// The parts of a system.
-fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
+pub fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
     let Description { name, parts, .. } = system.description();
     parts.as_ref().map_err(|reason| SchemeError::parts(scheme, name, reason))
 }
@@ -28,34 +25,31 @@ impl Scheme for Split {
         About::new("split")
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        let number = parts("split", system)?.number;
-        let flows = palindrome(number, [1.0, 1.0, 0.0], None);
-        let moves = [Move::Scale(0)].into_iter().chain(flows).chain([Move::Scale(1)]);
-        Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()], &[])?))
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
+        let flows = palindrome(parts("split", system)?.number, [1.0, 1.0, 0.0], None).collect();
+        let moves = [vec![Move::Scale(0)], flows, vec![Move::Scale(1)]].concat();
+        Ok(Box::new(CompositionStepper::new(system, vec![moves], &[])?))
     }
 }
 
 /// The parts of a system in which each noise has a flow of its own.
-fn parts_by_noise<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
+pub fn parts_by_noise<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
     let parts = parts(scheme, system)?;
     let Description { name, noises, .. } = system.description();
-    match parts.of_noise.len() < *noises {
-        true => {
-            let reason = "the flow of each Hamiltonian is not known";
-            Err(SchemeError::parts(scheme, name, reason))
-        }
-        false => Ok(parts),
+    if parts.of_noise.len() < *noises {
+        let reason = "the flow of each Hamiltonian is not known";
+        return Err(SchemeError::parts(scheme, name, reason));
     }
+    Ok(parts)
 }
 
 /// The flow of noise m for shares of its increment and its space-time area. Where it is not known,
 /// symmetric steps `of` shares make it up.
-fn noise_by<I: IntoIterator<Item = Move>>(
+fn noise_by(
     part: Option<usize>,
     m: usize,
     [increment, area]: [f64; 2],
-    of: impl Fn([f64; 2]) -> I,
+    of: impl Fn([f64; 2]) -> Vec<Move>,
 ) -> Vec<Move> {
     match part {
         Some(part) => vec![Move::Flow { part, drift: 0.0, noise: increment, area, only: Some(m) }],
@@ -65,10 +59,9 @@ fn noise_by<I: IntoIterator<Item = Move>>(
 
 /// [`noise_by`] the flows of all parts.
 fn noise(parts: &Parts, m: usize, shares: [f64; 2]) -> Vec<Move> {
-    let all = |[increment, area]: [f64; 2]| {
-        palindrome(parts.number, [0.0, increment, area], Some(m)).collect::<Vec<_>>()
-    };
-    noise_by(parts.of_noise[m], m, shares, all)
+    noise_by(parts.of_noise[m], m, shares, |[increment, area]| {
+        palindrome(parts.number, [0.0, increment, area], Some(m)).collect()
+    })
 }
 
 impl Scheme for Nv {
@@ -76,61 +69,51 @@ impl Scheme for Nv {
         About::new("nv")
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
         let parts = parts_by_noise("nv", system)?;
-        let noises = system.description().noises;
-        let half = || palindrome(parts.number, [0.5, 0.0, 0.0], None);
-        let moves = |order: Vec<usize>| -> Vec<Move> {
-            let noises = order.into_iter().flat_map(|m| noise(parts, m, [1.0, 0.0]));
-            let inner = [Move::Scale(0)].into_iter().chain(noises).chain([Move::Scale(1)]);
-            half().chain(inner).chain(half()).collect()
+        let noises = 0..system.description().noises;
+        let moves = |order: &mut dyn Iterator<Item = usize>| -> Vec<Move> {
+            let half: Vec<_> = palindrome(parts.number, [0.5, 0.0, 0.0], None).collect();
+            let kicks = order.flat_map(|m| noise(parts, m, [1.0, 0.0])).collect();
+            [half.clone(), vec![Move::Scale(0)], kicks, vec![Move::Scale(1)], half].concat()
         };
-        let (forward, backward) =
-            (moves((0..noises).collect()), moves((0..noises).rev().collect()));
-        Ok(Box::new(CompositionStepper::new(
-            system,
-            match self.sweep {
-                Sweep::Alternating => vec![forward, backward],
-                Sweep::Forward => vec![forward],
-                Sweep::Backward => vec![backward],
-            },
-            &[],
-        )?))
+        let (forward, backward) = (moves(&mut noises.clone()), moves(&mut noises.rev()));
+        let steps = match self.sweep {
+            Sweep::Alternating => vec![forward, backward],
+            Sweep::Forward => vec![forward],
+            Sweep::Backward => vec![backward],
+        };
+        Ok(Box::new(CompositionStepper::new(system, steps, &[])?))
     }
 }
 
-/// Friction on components, with its rates.
-pub type Frictions = [(Arc<dyn Damping>, Vec<usize>)];
-
 /// All damping of a half of the step, 0 or 1.
-fn damp(friction: &Frictions, half: usize) -> impl Iterator<Item = Move> {
-    let of = |(k, (_, components)): (usize, &(Arc<dyn Damping>, Vec<usize>))| {
+fn damp(friction: &[Friction], half: usize) -> Vec<Move> {
+    let mut moves = vec![Move::Scale(half)];
+    for (k, (_, components)) in friction.iter().enumerate() {
         let factor = 2 + 2 * k + half;
-        components.iter().map(|&component| Move::ScaleOne { component, factor }).collect::<Vec<_>>()
-    };
-    let friction: Vec<Move> = friction.iter().enumerate().flat_map(of).collect();
-    [Move::Scale(half)].into_iter().chain(friction)
+        moves.extend(components.iter().map(|&component| Move::ScaleOne { component, factor }));
+    }
+    moves
 }
 
 /// The flows of H₀ for a share of the step, in their order or from the last to the first.
-fn drift(parts: &Parts, share: f64, backward: bool) -> impl Iterator<Item = Move> {
-    let number = parts.number;
-    (0..number).map(move |k| Move::Flow {
-        part: if backward { number - 1 - k } else { k },
-        drift: share,
-        noise: 0.0,
-        area: 0.0,
-        only: None,
-    })
+fn drift(parts: &Parts, drift: f64, backward: bool) -> Vec<Move> {
+    let flow = |part| Move::Flow { part, drift, noise: 0.0, area: 0.0, only: None };
+    let mut flows: Vec<_> = (0..parts.number).map(flow).collect();
+    if backward {
+        flows.reverse();
+    }
+    flows
 }
 
 /// Refuses noises that do not commute.
 fn commuting(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     let Description { name, noises_commute, .. } = system.description();
-    match noises_commute {
-        true => Ok(()),
-        false => Err(SchemeError::not_for(scheme, name, DO_NOT_COMMUTE)),
+    if !noises_commute {
+        return Err(SchemeError::not_for(scheme, name, DO_NOT_COMMUTE));
     }
+    Ok(())
 }
 
 impl Scheme for Baoab {
@@ -138,25 +121,20 @@ impl Scheme for Baoab {
         About::new("baoab")
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
         let parts = parts_by_noise("baoab", system)?;
         commuting("baoab", system)?;
-        let noises = system.description().noises;
-        let kicks = (0..noises).flat_map(|m| noise(parts, m, [1.0, 0.0]));
-        let additive = &system.description().additive;
-        let of = |m| frictions_of(&self.friction, additive.get(m));
-        let own: Option<Vec<_>> = (0..noises).map(of).collect();
-        // Noises that are made exact come after friction, others in its middle.
+        let Description { noises, additive, .. } = system.description();
+        let kicks = (0..*noises).flat_map(|m| noise(parts, m, [1.0, 0.0])).collect();
+        let own = |m: usize| frictions_of(&self.friction, additive.get(m)?.as_ref()?);
+        let own: Option<Vec<_>> = (0..*noises).map(own).collect();
         let [first, second] = [0, 1].map(|half| damp(&self.friction, half));
-        let moves: Vec<Move> = drift(parts, 0.5, true).chain(first).collect();
-        let moves = match own {
-            Some(_) => moves.into_iter().chain(second).chain(kicks).collect::<Vec<_>>(),
-            None => moves.into_iter().chain(kicks).chain(second).collect(),
-        };
-        let moves = moves.into_iter().chain(drift(parts, 0.5, false)).collect();
-        let mut stepper = CompositionStepper::new(system, vec![moves], &self.friction)?;
-        stepper.own = own.unwrap_or_default();
-        Ok(Box::new(stepper))
+        // Noises that are made exact come after friction, others in its middle.
+        let last = if own.is_some() { [second, kicks] } else { [kicks, second] }.concat();
+        let [before, after] = [true, false].map(|backward| drift(parts, 0.5, backward));
+        let moves = [before, first, last, after].concat();
+        let stepper = CompositionStepper::new(system, vec![moves], &self.friction)?;
+        Ok(Box::new(CompositionStepper { own: own.unwrap_or_default(), ..stepper }))
     }
 }
 
@@ -164,34 +142,35 @@ impl Scheme for Baoab {
 fn of_order(scheme: &str, system: &dyn System) -> Result<(), SchemeError> {
     commuting(scheme, system)?;
     let Description { name, depends_on_time, .. } = system.description();
-    match depends_on_time {
-        false => Ok(()),
-        true => {
-            let reason = "Hamiltonians depend on time, which costs it its order; take nv";
-            Err(SchemeError::not_for(scheme, name, reason))
-        }
+    if *depends_on_time {
+        let reason = "Hamiltonians depend on time, which costs it its order; take nv";
+        return Err(SchemeError::not_for(scheme, name, reason));
     }
+    Ok(())
 }
 
-/// Damping of a half of the step, 0 or 1, around or beside H₀ for a share of the step.
-type Damped<'a> = &'a dyn Fn(f64, &[usize]) -> Vec<Move>;
-
 impl SplitH {
-    /// The moves of a step, from those of all noises for shares of increments and areas, and from a
-    /// step of H₀ for a share of the step with halves of the damping.
-    fn moves(&self, kicks: impl Fn(f64, f64) -> Vec<Move>, drift: Damped<'_>) -> Vec<Move> {
+    /// The moves of a step, from those of each noise for shares of increment and area, and from a
+    /// step of H₀ for a share of the step with halves of the damping, 0 or 1.
+    fn moves(
+        &self,
+        noises: usize,
+        kick: impl Fn(usize, [f64; 2]) -> Vec<Move>,
+        drift: impl Fn(f64, &[usize]) -> Vec<Move>,
+    ) -> Vec<Move> {
+        let kicks = |shares| (0..noises).flat_map(|m| kick(m, shares)).collect();
         let delta = self.delta;
-        match delta == 0.0 {
-            true => [kicks(0.5, 1.0), drift(1.0, &[0, 1]), kicks(0.5, -1.0)].concat(),
-            false => [
-                kicks(0.5 - delta, 1.0),
-                drift(0.5, &[0]),
-                kicks(2.0 * delta, 0.0),
-                drift(0.5, &[1]),
-                kicks(0.5 - delta, -1.0),
-            ]
-            .concat(),
+        if delta == 0.0 {
+            return [kicks([0.5, 1.0]), drift(1.0, &[0, 1]), kicks([0.5, -1.0])].concat();
         }
+        [
+            kicks([0.5 - delta, 1.0]),
+            drift(0.5, &[0]),
+            kicks([2.0 * delta, 0.0]),
+            drift(0.5, &[1]),
+            kicks([0.5 - delta, -1.0]),
+        ]
+        .concat()
     }
 }
 
@@ -200,19 +179,16 @@ impl Scheme for SplitH {
         About { reads_space_time: true, ..About::new("split-h") }
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
         let parts = parts_by_noise("split-h", system)?;
         of_order("split-h", system)?;
-        let noises = system.description().noises;
-        let kicks = |increment, area| {
-            (0..noises).flat_map(|m| noise(parts, m, [increment, area])).collect()
-        };
-        let drift = |share: f64, halves: &[usize]| {
-            let damping = halves.iter().flat_map(|&half| damp(&self.friction, half));
+        let kick = |m, shares| noise(parts, m, shares);
+        let damped_drift = |share: f64, halves: &[usize]| {
+            let damping = halves.iter().flat_map(|&half| damp(&self.friction, half)).collect();
             let [there, back] = [false, true].map(|backward| drift(parts, 0.5 * share, backward));
-            there.chain(damping).chain(back).collect()
+            [there, damping, back].concat()
         };
-        let moves = self.moves(kicks, &drift);
+        let moves = self.moves(system.description().noises, kick, damped_drift);
         Ok(Box::new(CompositionStepper::new(system, vec![moves], &self.friction)?))
     }
 }
@@ -222,37 +198,31 @@ impl Scheme for SexpH {
         About { reads_space_time: true, clips_increments: self.clips, ..About::new("sexp-h") }
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
         of_order("sexp-h", system)?;
         let Description { noises, parts, .. } = system.description();
-        // One more part: all of the system, without a flow.
-        let (number, of_noise) =
-            parts.as_ref().map_or((0, &[][..]), |parts| (parts.number, &parts.of_noise[..]));
-        let whole = |drift, [noise, area]: [f64; 2], only| {
-            [Move::Flow { part: number, drift, noise, area, only }]
-        };
-        let kick = |m: usize, shares| {
-            let part = of_noise.get(m).copied().flatten();
-            noise_by(part, m, shares, |shares| whole(0.0, shares, Some(m)))
-        };
-        let kicks =
-            |increment, area| (0..*noises).flat_map(|m| kick(m, [increment, area])).collect();
-        let drift = |share: f64, halves: &[usize]| {
-            let damping = |of: usize| halves.iter().filter(move |&&half| half == of);
-            let damping = |of| damping(of).flat_map(|&half| damp(&self.path.friction, half));
-            damping(0).chain(whole(share, [0.0; 2], None)).chain(damping(1)).collect()
-        };
-        let moves = self.path.moves(kicks, &drift);
-        let rest = (number, Scheme::stepper(&Sexp, system)?);
         let friction = &self.path.friction;
+        // One more part: all of the system, without a flow.
+        let (part, of_noise) =
+            parts.as_ref().map_or((0, &[][..]), |parts| (parts.number, &parts.of_noise[..]));
+        let whole =
+            |drift, [noise, area]: [f64; 2], only| Move::Flow { part, drift, noise, area, only };
+        let kick = |m: usize, shares| {
+            let own = of_noise.get(m).copied().flatten();
+            noise_by(own, m, shares, |shares| vec![whole(0.0, shares, Some(m))])
+        };
+        let drift = |share: f64, halves: &[usize]| {
+            let damping = |half| if halves.contains(&half) { damp(friction, half) } else { vec![] };
+            [damping(0), vec![whole(share, [0.0; 2], None)], damping(1)].concat()
+        };
+        let moves = self.path.moves(*noises, kick, drift);
+        let rest = (part, Scheme::stepper(&Sexp, system)?);
         Ok(Box::new(CompositionStepper::with_rest(system, vec![moves], friction, Some(rest))))
     }
 }
 
-/// The frictions of all components that an additive noise moves; none if these differ, or if the
-/// noise depends on the state.
-fn frictions_of(friction: &Frictions, noise: Option<&Option<Vec<usize>>>) -> Option<Vec<usize>> {
-    let moved = noise?.as_ref()?;
+/// The frictions of all components that an additive noise moves; none if these differ.
+fn frictions_of(friction: &[Friction], moved: &[usize]) -> Option<Vec<usize>> {
     let mut all = Vec::new();
     for (k, (_, components)) in friction.iter().enumerate() {
         match moved.iter().filter(|i| components.contains(i)).count() {
@@ -266,9 +236,10 @@ fn frictions_of(friction: &Frictions, noise: Option<&Option<Vec<usize>>>) -> Opt
 
 /// √((1 − e^{−2Γ})/2Γ): what makes the noise after friction with the integral Γ exact.
 fn exact(integral: f64) -> f64 {
-    let mean = match integral.abs() < 1e-4 {
-        true => 1.0 - integral + integral * integral * (2.0 / 3.0),
-        false => (1.0 - exp(-2.0 * integral)) / (2.0 * integral),
+    let mean = if integral.abs() < 1e-4 {
+        1.0 - integral + integral * integral * (2.0 / 3.0)
+    } else {
+        (1.0 - exp(-2.0 * integral)) / (2.0 * integral)
     };
     mean.sqrt()
 }
@@ -286,7 +257,7 @@ struct CompositionStepper<'a> {
     /// A share of the noise.
     part: StepNoise,
     scratch: Rows,
-    friction: &'a Frictions,
+    friction: &'a [Friction],
     /// The factors of damping over both halves, and of each friction.
     factors: Vec<f64>,
     /// The frictions of what each noise moves, after which it is made exact; empty where noises are
@@ -314,7 +285,7 @@ impl<'a> CompositionStepper<'a> {
     fn new(
         system: &'a dyn System,
         steps: Vec<Vec<Move>>,
-        friction: &'a Frictions,
+        friction: &'a [Friction],
     ) -> Result<Self, SchemeError> {
         let rest = system.rest().map(|rest| Scheme::stepper(&Sexp, rest)).transpose()?;
         let last = system.description().parts.as_ref().map_or(0, |parts| parts.number - 1);
@@ -325,35 +296,34 @@ impl<'a> CompositionStepper<'a> {
     fn with_rest(
         system: &'a dyn System,
         steps: Vec<Vec<Move>>,
-        friction: &'a Frictions,
+        friction: &'a [Friction],
         rest: Option<(usize, Box<dyn Stepper + 'a>)>,
     ) -> Self {
         let description = system.description();
         let last = rest.as_ref().map(|(part, _)| *part);
         let is_rest = |one: &Move| matches!(one, Move::Flow { part, .. } if Some(*part) == last);
-        let pieces = |moves: &[Move]| match system.compose(moves) {
-            Some(program) => vec![Piece::Program(program)],
-            None => moves.iter().copied().map(Piece::Move).collect(),
-        };
         let reads = |one: &Move| matches!(one, Move::Flow { area, .. } if *area != 0.0);
         let reads_space_time = steps.iter().flatten().any(reads);
         let step = |moves: Vec<Move>| -> Vec<Piece> {
             let runs = moves.chunk_by(|one, next| !is_rest(one) && !is_rest(next));
-            runs.flat_map(|run| match run {
-                [one] if is_rest(one) => vec![Piece::Move(*one)],
-                run => pieces(run),
+            runs.flat_map(|run| {
+                let program = if is_rest(&run[0]) { None } else { system.compose(run) };
+                match program {
+                    Some(program) => vec![Piece::Program(program)],
+                    None => run.iter().copied().map(Piece::Move).collect(),
+                }
             })
             .collect()
         };
         let steps: Vec<_> = steps.into_iter().map(step).collect();
         // Memory of a kind of pieces, if there are any: every block of paths has its own.
-        let needed = |is: fn(&Piece) -> bool, rows| {
-            if steps.iter().flatten().any(is) { rows } else { 0 }
-        };
-        let is_flow: fn(&Piece) -> bool = |piece| matches!(piece, Piece::Move(Move::Flow { .. }));
-        let next = needed(|piece| matches!(piece, Piece::Program(_)), description.layout.rows);
-        let part = needed(is_flow, description.layout.noise_rows);
-        let scratch = needed(is_flow, description.scratch_rows());
+        let pieces = || steps.iter().flatten();
+        let has_programs = pieces().any(|piece| matches!(piece, Piece::Program(_)));
+        let has_flows = pieces().any(|piece| matches!(piece, Piece::Move(Move::Flow { .. })));
+        let if_needed = |needed, rows| if needed { rows } else { 0 };
+        let next = if_needed(has_programs, description.layout.rows);
+        let part = if_needed(has_flows, description.layout.noise_rows);
+        let scratch = if_needed(has_flows, description.scratch_rows());
         Self {
             system,
             steps,
@@ -408,7 +378,8 @@ impl Stepper for CompositionStepper<'_> {
             self;
         let number = step.number() as usize % steps.len();
         let factors = &self.factors;
-        if self.reads_space_time || !self.own.is_empty() {
+        let is_plain = !self.reads_space_time && self.own.is_empty();
+        if !is_plain {
             rows.clear();
             rows.extend_from_slice(&noise.increments);
             for (row, factor) in rows.iter_mut().zip(&self.exact) {
@@ -418,9 +389,8 @@ impl Stepper for CompositionStepper<'_> {
                 rows.extend_from_slice(&noise.space_time);
             }
         }
-        let all: &[Row] = if rows.is_empty() { &noise.increments } else { rows };
+        let all: &[Row] = if is_plain { &noise.increments } else { rows };
         let (increments, areas) = all.split_at(noise.increments.len());
-        let rows_are_plain = all.len() == noise.increments.len() && self.own.is_empty();
         let t = step.t + 0.5 * step.tau;
         let mut shares = (f64::NAN, 0.0, None);
         for piece in &mut steps[number] {
@@ -437,9 +407,10 @@ impl Stepper for CompositionStepper<'_> {
                     state[*component].iter_mut().for_each(|y| *y *= factors[*factor]);
                 }
                 Piece::Move(Move::Flow { part, drift, noise: share, area, only }) => {
-                    let is_whole = (*share, *area, *only) == (1.0, 0.0, None) && rows_are_plain;
-                    if !is_whole && shares != (*share, *area, *only) {
-                        shares = (*share, *area, *only);
+                    let wanted = (*share, *area, *only);
+                    let is_whole = wanted == (1.0, 0.0, None) && is_plain;
+                    if !is_whole && shares != wanted {
+                        shares = wanted;
                         for (m, row) in part_of_noise.increments.iter_mut().enumerate() {
                             let moves = only.is_none_or(|only| only == m);
                             let [share, area] = if moves { [*share, *area] } else { [0.0; 2] };

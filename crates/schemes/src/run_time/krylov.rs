@@ -19,7 +19,7 @@ use super::{
     SchemeError,
     derivative::derivative,
     machine::Machine,
-    norm::{Changes, Product, sums},
+    norm::{changes, products, sums},
 };
 use crate::{Implicit, Step};
 
@@ -114,9 +114,10 @@ impl<'a> Krylov<'a> {
         let residuals = self.norm(&self.defect);
         Ok(from_fn(|p| {
             let (residual, iterations) = (residuals[p], iterations[p]);
-            match failed.contains(p) {
-                true => Outcome::Failed { residual },
-                false => Outcome::Robust { iterations, residual },
+            if failed.contains(p) {
+                Outcome::Failed { residual }
+            } else {
+                Outcome::Robust { iterations, residual }
             }
         }))
     }
@@ -177,7 +178,7 @@ impl<'a> Krylov<'a> {
     /// Newton's method to contract.
     fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) -> [bool; WIDTH] {
         let Self { system, slope, z, defect, change, rest, basis, s, .. } = self;
-        let product = |x: &[Row], y: &[Row]| sums(*system, Product, [x, y, y])[0];
+        let product = |x: &[Row], y: &[Row]| sums(*system, products, [x, y, y])[0];
         let length = |x: &[Row]| product(x, x).map(f64::sqrt);
         change.fill([0.0; WIDTH]);
         rest.copy_from_slice(defect);
@@ -221,7 +222,7 @@ impl<'a> Krylov<'a> {
 
     /// The sum of the absolute values of a state.
     fn norm(&self, x: &[Row]) -> Row {
-        sums(self.system, Changes, [x; 3])[2]
+        sums(self.system, changes, [x; 3])[2]
     }
 }
 

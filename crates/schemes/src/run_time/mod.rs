@@ -46,14 +46,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod composition;
+pub(crate) mod composition;
 mod derivative;
 mod krylov;
 mod machine;
 mod norm;
 mod plan;
 mod record;
-mod scheme;
+pub(crate) mod scheme;
 mod stepper;
 
 pub use crate::SchemeError;

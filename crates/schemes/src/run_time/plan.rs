@@ -3,7 +3,7 @@
 use systems::run_time::{Op, Recorded};
 
 /// Place of an argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub enum Source {
     /// Memory of the tile.
     Slot(usize),
@@ -12,7 +12,7 @@ pub enum Source {
 }
 
 /// A computation with arguments of type P. Numbers beside them are those of nodes with factors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy)]
 pub enum Computation<P> {
     /// The argument times a factor.
     Multiple(P, usize),
@@ -35,7 +35,7 @@ impl<P> Computation<P> {
 }
 
 /// Operations that every tile can do when the stages before are complete.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Stage {
     /// Computations, each with the slot for its result.
     pub instructions: Vec<(Computation<Source>, usize)>,
@@ -44,7 +44,7 @@ pub struct Stage {
 }
 
 /// The plan for a formula.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Plan {
     pub stages: Vec<Stage>,
     /// Number of slots of a tile, and of buffers with the inputs, which come first.
@@ -87,9 +87,10 @@ impl Plan {
         }
         let mut needed = vec![false; nodes.len()];
         results.iter().for_each(|&n| needed[n] = true);
-        for n in all.clone().rev().filter(|&n| !is_input(n)) {
-            let read = reads[n].iter().filter(|_| needed[n]).copied().collect::<Vec<_>>();
-            read.into_iter().for_each(|x| needed[x] = true);
+        for n in all.clone().rev() {
+            if needed[n] {
+                reads[n].iter().for_each(|&x| needed[x] = true);
+            }
         }
         let computed: Vec<usize> = all.clone().filter(|&n| needed[n] && !is_input(n)).collect();
         // The stage of each node, and the first one that may overwrite it tile by tile.
@@ -108,9 +109,8 @@ impl Plan {
         // Which node is in each buffer, and where each node is. The inputs are the first nodes.
         let mut content: Vec<usize> = all.clone().filter(|&n| is_input(n)).collect();
         let mut place: Vec<Source> = all.map(Source::Buffer).collect();
-        plan.stages =
-            vec![Stage::default(); computed.iter().map(|&n| stage[n] + 1).max().unwrap_or(0)];
-        for (s, planned) in plan.stages.iter_mut().enumerate() {
+        for s in 0..computed.iter().map(|&n| stage[n] + 1).max().unwrap_or(0) {
+            let mut planned = Stage::default();
             let of_stage: Vec<usize> =
                 computed.iter().copied().filter(|&n| stage[n] == s).collect();
             // The last instruction that reads the content of each slot.
@@ -141,6 +141,7 @@ impl Plan {
                     planned.stores.push((slot, own));
                 }
             }
+            plan.stages.push(planned);
         }
         plan.buffers = content.len();
         let buffer = |n: &usize| content.iter().position(|x| x == n).unwrap_or(0);

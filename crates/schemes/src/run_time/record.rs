@@ -11,11 +11,11 @@ use crate::{Implicit, Increment, Step};
 
 /// The operations of a formula in their order. A formula is recorded anew in every step, since its
 /// factors change; the operations do not, and how they are executed is planned once.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Recorder(RefCell<Operations>);
 
 /// The operations of a [`Recorder`].
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Operations {
     /// Recorded operations, inputs first.
     pub nodes: Vec<Recorded>,
@@ -23,32 +23,16 @@ pub struct Operations {
     pub factors: Vec<f64>,
     /// The operations whose results are wanted; none is an input.
     pub results: Vec<usize>,
-    /// Number of operations since the start; those that follow are of an earlier record.
-    count: usize,
-    /// Whether the operations differ from those of the record before.
-    changed: bool,
+    /// The operations of the record before.
+    before: Vec<Recorded>,
 }
 
 impl Operations {
     #[inline(always)]
     fn push(&mut self, node: Recorded, factor: f64) -> usize {
-        let number = self.count;
-        self.count += 1;
-        match (self.nodes.get(number), self.factors.get_mut(number)) {
-            (Some(known), Some(place)) if *known == node => *place = factor,
-            _ => self.change(number, node, factor),
-        }
-        number
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn change(&mut self, number: usize, node: Recorded, factor: f64) {
-        self.nodes.truncate(number);
-        self.factors.truncate(number);
         self.nodes.push(node);
         self.factors.push(factor);
-        self.changed = true;
+        self.nodes.len() - 1
     }
 }
 
@@ -63,7 +47,9 @@ impl Recorder {
         count: usize,
     ) -> bool {
         let operations = self.0.get_mut();
-        (operations.count, operations.changed) = (0, false);
+        std::mem::swap(&mut operations.nodes, &mut operations.before);
+        operations.nodes.clear();
+        operations.factors.clear();
         operations.results.clear();
         let start = self.push(Recorded::Input(0), 1.0);
         let mut z = if F::EXPLICIT { start } else { self.push(Recorded::Input(1), 1.0) };
@@ -72,10 +58,7 @@ impl Recorder {
             z = self.result(z);
         }
         let operations = self.0.get_mut();
-        operations.changed |= operations.count < operations.nodes.len();
-        operations.nodes.truncate(operations.count);
-        operations.factors.truncate(operations.count);
-        operations.changed
+        operations.nodes != operations.before
     }
 
     #[inline(always)]
@@ -102,7 +85,7 @@ impl Recorder {
 }
 
 /// The result of an operation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Symbol<'a> {
     recorder: &'a Recorder,
     /// The number of the operation.

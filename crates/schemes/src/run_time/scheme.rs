@@ -15,8 +15,11 @@ pub trait Scheme: Send + Sync {
     ///
     /// # Errors
     /// [`SchemeError`] if the scheme is not for the system, or an allocation fails.
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError>;
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a>;
 }
+
+/// What [`Scheme::stepper`] returns.
+pub type Made<'a> = Result<Box<dyn Stepper + 'a>, SchemeError>;
 
 /// Checks that a system has what a scheme with Lévy areas needs.
 fn check_areas(scheme: &'static str, system: &dyn System) -> Result<(), SchemeError> {
@@ -39,7 +42,7 @@ impl<F: Implicit> Scheme for F {
         about::<F>()
     }
 
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a> {
         if F::READS_AREAS {
             check_areas(F::ID, system)?;
         }

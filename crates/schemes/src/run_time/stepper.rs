@@ -14,9 +14,9 @@ use super::{
     derivative::derivative,
     krylov::Krylov,
     machine::{Machine, multiple},
-    norm::{Changes, sums},
+    norm::{changes, sums},
 };
-use crate::{Implicit, Listing, Step, Stepper, Sweeps};
+use crate::{Implicit, Listing, Step, Stepper, Sweeps, kernel::may_overflow};
 
 /// A formula on 32 paths, or on one large path. An implicit one is solved by fixed-point iteration
 /// as in [`nonlin::Method::FixedPoint`], and by Newton's method without a matrix on paths where
@@ -59,7 +59,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         for number in 1..=most_sweeps {
             self.machine.execute(h);
             let iterates = [0, 1, 2].map(|n| self.machine.result(n));
-            let changes = sums(self.system, Changes, iterates);
+            let changes = sums(self.system, changes, iterates);
             let mut z = std::mem::take(&mut self.machine.buffers[1]);
             let (next, pending) = (self.machine.result(2), &mut pending);
             let finished = test_sweep(number, changes, next, &mut z, pending);
@@ -145,10 +145,8 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
         } else {
             self.solve(step, h, status);
         }
-        // The second half of the damping may give a state that is not finite.
-        let second = if F::EXACT_DAMPING { step.second_decay } else { 1.0 };
-        let tested = F::EXPLICIT || second > 1.0 || second.is_nan();
-        if tested && self.system.description().layout.lanes == Lanes::Paths {
+        let is_tested = F::EXPLICIT || F::EXACT_DAMPING && may_overflow(step);
+        if is_tested && self.system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }
     }

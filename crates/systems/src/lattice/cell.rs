@@ -37,33 +37,30 @@ impl Cell {
     /// A lattice by one of the names of [`LATTICES`]. Cubic cells are conventional ones: bcc has 2
     /// sites, fcc 4, diamond 8. a₁ and a₂ of the others make 60°; `triangular` and `hexagonal` have
     /// one site, `honeycomb` 2, `kagome` 3 and `hcp` 2.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        let (third, half, quarter) = (1.0 / 3.0, 0.5, 0.25);
-        let origin = [0.0; 3];
-        let fcc = [origin, [0.0, half, half], [half, 0.0, half], [half, half, 0.0]];
+        let (origin, third) = ([0.0; 3], 1.0 / 3.0);
+        let fcc = [origin, [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
         let (oblique, sites) = match name {
             "cubic" => (false, vec![origin]),
-            "bcc" => (false, vec![origin, [half; 3]]),
+            "bcc" => (false, vec![origin, [0.5; 3]]),
             "fcc" => (false, fcc.into()),
             "diamond" => {
-                let shifted = fcc.map(|site| site.map(|fraction| fraction + quarter));
+                let shifted = fcc.map(|site| site.map(|fraction| fraction + 0.25));
                 (false, [fcc, shifted].concat())
             }
             "triangular" | "hexagonal" => (true, vec![origin]),
             "honeycomb" => (true, vec![origin, [third, third, 0.0]]),
-            "kagome" => (true, vec![origin, [half, 0.0, 0.0], [0.0, half, 0.0]]),
-            "hcp" => (true, vec![origin, [third, third, half]]),
+            "kagome" => (true, vec![origin, [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]),
+            "hcp" => (true, vec![origin, [third, third, 0.5]]),
             _ => return None,
         };
         let height = if name == "hcp" { (8.0f64 / 3.0).sqrt() } else { 1.0 };
-        let second = if oblique { [half, 0.75f64.sqrt(), 0.0] } else { [0.0, 1.0, 0.0] };
+        let second = if oblique { [0.5, 0.75f64.sqrt(), 0.0] } else { [0.0, 1.0, 0.0] };
         let vectors = [[1.0, 0.0, 0.0], second, [0.0, 0.0, height]];
         Some(Self { name: name.into(), vectors, sites })
     }
 
     /// The place of a site in a cell.
-    #[must_use]
     pub fn place(&self, site: usize, cell: [f64; 3]) -> [f64; 3] {
         let along = |a: usize| cell[a] + self.sites[site][a];
         [0, 1, 2].map(|c| (0..3).map(|a| along(a) * self.vectors[a][c]).sum())
@@ -71,19 +68,13 @@ impl Cell {
 
     /// The pairs of a shell, each once: number 0 has the nearest neighbours, 1 the next-nearest.
     /// Cells have neighbours along the first `axes` axes.
-    #[must_use]
     pub fn pairs(&self, axes: usize, shell: usize) -> Vec<Pair> {
         let far = |axis: usize| if axis < axes { -REACH..=REACH } else { 0..=0 };
+        let cells = far(2).flat_map(|z| far(1).flat_map(move |y| far(0).map(move |x| [x, y, z])));
         let mut pairs = Vec::new();
-        for (z, y, x) in far(2)
-            .flat_map(|z| far(1).map(move |y| (z, y)))
-            .flat_map(|(z, y)| far(0).map(move |x| (z, y, x)))
-        {
-            for (from, to) in (0..self.sites.len())
-                .flat_map(|from| (0..self.sites.len()).map(move |to| (from, to)))
-            {
-                if (z, y, x, to) > (0, 0, 0, from) {
-                    let cells = [x, y, z];
+        for cells @ [x, y, z] in cells {
+            for from in 0..self.sites.len() {
+                for to in (0..self.sites.len()).filter(|&to| (z, y, x, to) > (0, 0, 0, from)) {
                     let end = self.place(to, cells.map(|cells| cells as f64));
                     let begin = self.place(from, [0.0; 3]);
                     let way = [0, 1, 2].map(|c| end[c] - begin[c]);

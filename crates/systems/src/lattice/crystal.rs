@@ -1,7 +1,7 @@
 //! Sites of a crystal, their couplings and their neighbours.
 
 use super::{Cell, Couplings, Pair, Shape};
-use crate::SystemError;
+use crate::{SystemError, error::finite};
 
 /// A bond of all pairs of a kind: −J s·s′ + D·(s × s′).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Crystal {
     /// A simple cubic lattice of one material.
     pub(super) fn cubic(shape: Shape, couplings: &Couplings) -> Self {
         let &Couplings { exchange, anisotropy, noise, damping, .. } = couplings;
-        let [cell] = ["cubic"].map(|name| Cell::named(name).unwrap_or_else(|| unreachable!()));
+        let cell = Cell::named("cubic").unwrap_or_else(|| unreachable!());
         let bond = |pair| Bond { pair, exchange, antisymmetric: [0.0; 3] };
         let bonds = cell.pairs(3, 0).into_iter().map(bond).collect();
         Self { cell, shape, bonds, materials: vec![Material { anisotropy, noise, damping }] }
@@ -80,13 +80,11 @@ impl Crystal {
     }
 
     /// The number of sites.
-    #[must_use]
     pub fn sites(&self) -> usize {
         self.shape.sites() * self.materials.len()
     }
 
     /// The number of its site in the cell, and the cell, of a site.
-    #[must_use]
     pub fn coordinates(&self, site: usize) -> (usize, [usize; 3]) {
         let ([along, across, _], each) = (self.shape.sizes(), self.materials.len());
         let (row, x) = (site / along, site % along);
@@ -95,7 +93,6 @@ impl Crystal {
     }
 
     /// The place of a site in units of the lattice constant.
-    #[must_use]
     pub fn place(&self, site: usize) -> [f64; 3] {
         let (b, cell) = self.coordinates(site);
         self.cell.place(b, cell.map(|cells| cells as f64))
@@ -103,16 +100,10 @@ impl Crystal {
 
     /// The site at number b of a cell that is `cells` further, if there is one.
     pub(super) fn site(&self, b: usize, cell: [usize; 3], cells: [isize; 3]) -> Option<usize> {
-        let (sizes, mut at) = (self.shape.sizes(), [0; 3]);
-        for axis in 0..3 {
-            let moved = cell[axis] as isize + cells[axis];
-            at[axis] = match usize::try_from(moved) {
-                Ok(inside) if inside < sizes[axis] => inside,
-                _ if !self.shape.is_periodic(axis) => return None,
-                _ => moved.rem_euclid(sizes[axis] as isize) as usize,
-            };
-        }
-        Some(at[0] + sizes[0] * (b + self.materials.len() * (at[1] + sizes[1] * at[2])))
+        let along = |axis| self.shape.coordinate(axis, cell[axis] as isize + cells[axis]);
+        let ([along_first, across, _], [x, y, z]) =
+            (self.shape.sizes(), [along(0)?, along(1)?, along(2)?]);
+        Some(x + along_first * (b + self.materials.len() * (y + across * z)))
     }
 
     /// Checks numbers and ends, and drops bonds that no pair has.
@@ -126,29 +117,27 @@ impl Crystal {
         let is_there = |bond: &Bond| (0..3).all(|a| bond.pair.cells[a].unsigned_abs() < sizes[a]);
         self.bonds.retain(is_there);
         for Bond { pair, exchange, antisymmetric } in &self.bonds {
-            crate::error::finite("the exchange J", *exchange)?;
+            finite("the exchange J", *exchange)?;
             for d in antisymmetric {
-                crate::error::finite("the vector D", *d)?;
+                finite("the vector D", *d)?;
             }
-            // Around a shorter ring two bonds join the same spins.
-            let short = |axis: &usize| {
-                let far = pair.cells[*axis].unsigned_abs();
-                shape.is_periodic(*axis) && sizes[*axis] <= 2 * far
-            };
-            if let Some(axis) = (0..3).find(short) {
-                let (axis, size) = (axis + 1, sizes[axis]);
-                return wrong(format!(
-                    "axis {axis} is periodic with {size} cells, and bonds reach \
-                     {}: take at least {}",
-                    pair.cells[axis - 1].unsigned_abs(),
-                    2 * pair.cells[axis - 1].unsigned_abs() + 1
-                ));
+            for axis in 0..3 {
+                let (size, far) = (sizes[axis], pair.cells[axis].unsigned_abs());
+                // Around a shorter ring two bonds join the same spins.
+                if shape.is_periodic(axis) && size <= 2 * far {
+                    return wrong(format!(
+                        "axis {} is periodic with {size} cells, and bonds reach {far}: take at \
+                         least {}",
+                        axis + 1,
+                        2 * far + 1
+                    ));
+                }
             }
         }
         for Material { anisotropy, noise, damping } in &self.materials {
-            crate::error::finite("the anisotropy K", *anisotropy)?;
-            crate::error::finite("the noise σ", *noise)?;
-            crate::error::finite("the damping α", *damping)?;
+            finite("the anisotropy K", *anisotropy)?;
+            finite("the noise σ", *noise)?;
+            finite("the damping α", *damping)?;
         }
         Ok(self)
     }

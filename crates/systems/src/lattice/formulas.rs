@@ -6,7 +6,7 @@ use real::{Kernel, Real, Row, WIDTH, derivatives};
 
 use super::{
     Shape,
-    layout::{MaterialRows, SpinRows, Spins},
+    layout::{MaterialRows, OnePath, SpinRows, Spins},
 };
 use crate::{
     cayley::{cayley_cross, cross},
@@ -55,9 +55,10 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
                 for $group in 0..groups {
-                    let $rows = match L::PLANES {
-                        true => [$group, $group + groups, $group + 2 * groups],
-                        false => [3 * $group, 3 * $group + 1, 3 * $group + 2],
+                    let $rows = if L::PLANES {
+                        [$group, $group + groups, $group + 2 * groups]
+                    } else {
+                        [3 * $group, 3 * $group + 1, 3 * $group + 2]
                     };
                     let value: Spins = $value;
                     for c in 0..3 {
@@ -121,20 +122,14 @@ fn field_of(field: &[Row], group: usize) -> [&Row; 3] {
     [0, 1, 2].map(|c| &field[begin + c])
 }
 
-/// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
-pub struct EnergyOnTile<'a, L> {
-    pub layout: L,
-    pub field: &'a [Row],
-    pub tile: Range<usize>,
-    pub y: &'a [Row],
-}
-
-impl<L: SpinRows> Kernel for EnergyOnTile<'_, L> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { layout, field, tile, y } = self;
+real::kernel! {
+    /// The energy of the spins of a tile of one path: −½s·Σ(Js′ + D × s′) − ½Ks_z² − h·s.
+    pub fn energy_on_tile(
+        layout: OnePath<'a>,
+        field: &'a [Row],
+        tile: Range<usize>,
+        y: &'a [Row]
+    ) -> f64 {
         let (groups, mut sum) = (tile.len() / 3, [0.0; WIDTH]);
         for group in 0..groups {
             let number = tile.start / 3 + group;
@@ -148,7 +143,7 @@ impl<L: SpinRows> Kernel for EnergyOnTile<'_, L> {
                 sum[p] -= 0.5 * anisotropy[p] * s[2][p] * s[2][p];
             }
         }
-        sum.iter().sum()
+        sum.iter().sum::<f64>()
     }
 }
 

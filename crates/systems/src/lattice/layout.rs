@@ -21,7 +21,7 @@ pub const TILE_ROWS: usize = 3 * TILE_SITES / WIDTH;
 pub type Spins = [Row; 3];
 
 /// Materials of the sites of a group: K, σ and α.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct MaterialRows {
     pub anisotropy: Row,
     pub noise: Row,
@@ -99,9 +99,8 @@ impl Sites {
             let mut key: Key = (Vec::new(), at.iter().map(|(b, _)| *b).collect());
             for (number, neighbour) in self.neighbours.iter().enumerate() {
                 let begin = key.0.len();
-                for (p, &(b, cell)) in at.iter().enumerate().filter(|(_, at)| at.0 == neighbour.at)
+                for (p, &(_, cell)) in at.iter().enumerate().filter(|(_, at)| at.0 == neighbour.at)
                 {
-                    debug_assert_eq!(b, neighbour.at);
                     let Some(next) = self.crystal.site(neighbour.to, cell, neighbour.cells) else {
                         continue;
                     };

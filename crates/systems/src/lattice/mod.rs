@@ -38,14 +38,14 @@ use crate::{
     run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{CHUNK, Flow, Part};
-use formulas::{EnergyOnTile, OnTile};
+use formulas::{OnTile, energy_on_tile};
 use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES, place};
 
 pub use cell::{Cell, LATTICES, Pair};
 pub use crystal::{Bond, Crystal, Material};
 pub use field::Field;
 pub use formulas::Couplings;
-pub use shape::{Direction, Shape};
+pub use shape::Shape;
 
 /// σ = √(2α/β) at the temperature 1/β: with local noise and |s| = 1 the equilibrium is exp(−βH₀).
 ///
@@ -54,7 +54,6 @@ pub use shape::{Direction, Shape};
 /// let sigma = systems::lattice::noise_at_temperature(alpha, 1.0 / beta);
 /// assert_eq!(sigma, 0.2);
 /// ```
-#[must_use]
 pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
     (2.0 * damping * temperature).sqrt()
 }
@@ -179,21 +178,13 @@ impl SpinLattice {
     }
 
     /// The numbers of cells.
-    #[must_use]
     pub fn shape(&self) -> &Shape {
         &self.sites.crystal.shape
     }
 
     /// The crystal.
-    #[must_use]
     pub fn crystal(&self) -> &Crystal {
         &self.sites.crystal
-    }
-
-    /// Component c of a site on path p.
-    fn at(&self, y: &[Row], site: usize, c: usize, p: usize) -> f64 {
-        let (row, lane) = self.description.layout.place(3 * site + c);
-        y[row][lane + p]
     }
 
     fn is_one_path(&self) -> bool {
@@ -224,7 +215,6 @@ impl SpinLattice {
     }
 
     /// H₀ of the spins of a tile of one path; that of a bond is shared by its spins.
-    #[must_use]
     pub fn energy_of_tile(
         &self,
         y: &[Row],
@@ -235,11 +225,10 @@ impl SpinLattice {
         let mut constant = [[0.0; WIDTH]; 3];
         let field = self.field_on(t, &tile, &mut constant, scratch);
         let layout = OnePath(&self.sites, self.sites.crystal.sites());
-        dispatch(EnergyOnTile { layout, field, tile, y })
+        energy_on_tile(layout, field, tile, y)
     }
 
     /// A spin of path p.
-    #[must_use]
     pub fn spin(&self, y: &[Row], site: usize, p: usize) -> [f64; 3] {
         if !self.is_one_path() {
             return [0, 1, 2].map(|c| y[3 * site + c][p]);
@@ -287,21 +276,17 @@ impl System for SpinLattice {
         if op.is_average() {
             return derived(self, op, h, out, scratch);
         }
-        let Self { sites, local, damped, .. } = self;
-        let (local, damped, count) = (*local, *damped, sites.crystal.sites());
+        let &Self { ref sites, local, damped, .. } = self;
         let is_read = matches!(op, Op::Gradient { .. } | Op::Hessian { .. });
         let mut constant = [[0.0; WIDTH]; 3];
         let field =
             if is_read { self.field_on(h.t, &tile, &mut constant, scratch) } else { &constant };
-        match self.is_one_path() {
-            false => {
-                let layout = OnPaths(sites);
-                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
-            }
-            true => {
-                let layout = OnePath(sites, count);
-                dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
-            }
+        if self.is_one_path() {
+            let layout = OnePath(sites, sites.crystal.sites());
+            dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
+        } else {
+            let layout = OnPaths(sites);
+            dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
         }
     }
 
@@ -333,19 +318,23 @@ impl System for SpinLattice {
                     out[p] += h.dt * (d[0] * turned[0] + d[1] * turned[1] + d[2] * turned[2]);
                 }
                 out[p] -= 0.5 * anisotropy * h.dt * s[2] * s[2];
+                let dw = if self.local {
+                    self.spin(h.dw, site, p)
+                } else {
+                    [0, 1, 2].map(|c| h.dw[c][p])
+                };
                 for c in 0..3 {
-                    let dw = if self.local { self.at(h.dw, site, c, p) } else { h.dw[c][p] };
-                    out[p] -= (field[c] * h.dt + noise * dw) * s[c];
+                    out[p] -= (field[c] * h.dt + noise * dw[c]) * s[c];
                 }
             }
         }
     }
 
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
-        let Self { sites, local, field, parts, .. } = self;
-        let (local, part) = (*local, parts[part]);
+        let &Self { ref sites, local, ref parts, .. } = self;
+        let part = parts[part];
         // Others have no flows.
-        let Field::Constant(field) = *field else { return };
+        let Field::Constant(field) = self.field else { return };
         match self.description.layout.lanes {
             Lanes::Paths => dispatch(Flow::<CHUNK> { sites, local, field, part, h, y }),
             Lanes::Components => dispatch(Flow::<1> { sites, local, field, part, h, y }),
@@ -357,10 +346,8 @@ impl System for SpinLattice {
         let spins = if sites <= SPINS_NAMED { index..index + 1 } else { 0..sites };
         *out = [0.0; WIDTH];
         for site in spins {
-            for c in 0..3 {
-                for p in self.lanes() {
-                    out[p] += 0.5 * self.at(y, site, c, p).powi(2);
-                }
+            for p in self.lanes() {
+                self.spin(y, site, p).iter().for_each(|s| out[p] += 0.5 * s.powi(2));
             }
         }
     }

@@ -10,15 +10,6 @@ pub struct Shape {
     periodic: [bool; 3],
 }
 
-/// A direction to a neighbour: an axis, and whether its coordinate grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Direction {
-    /// 0, 1 or 2.
-    pub axis: usize,
-    /// Whether the coordinate grows.
-    pub up: bool,
-}
-
 impl Shape {
     /// The lattice with one to three sizes, open at all ends.
     ///
@@ -57,55 +48,35 @@ impl Shape {
     }
 
     /// The sizes; 1 for axes that the lattice does not have.
-    #[must_use]
     pub fn sizes(&self) -> [usize; 3] {
         self.sizes
     }
 
     /// Whether an axis is periodic.
-    #[must_use]
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.periodic[axis]
     }
 
     /// The number of sites.
-    #[must_use]
     pub fn sites(&self) -> usize {
         self.sizes.iter().product()
     }
 
-    /// The distance between the numbers of neighbours along an axis.
-    fn stride(&self, axis: usize) -> usize {
-        self.sizes[..axis].iter().product()
-    }
-
-    /// The coordinate of a site along an axis.
-    fn coordinate(&self, site: usize, axis: usize) -> usize {
-        site / self.stride(axis) % self.sizes[axis]
-    }
-
-    /// Whether a site is the last one in a direction.
-    fn is_last(&self, site: usize, direction: Direction) -> bool {
-        let end = if direction.up { self.sizes[direction.axis] - 1 } else { 0 };
-        self.coordinate(site, direction.axis) == end
-    }
-
-    /// The difference of the number of a neighbour: inside, and across a periodic end.
-    fn offsets(&self, direction: Direction) -> (isize, isize) {
-        let stride = self.stride(direction.axis) as isize;
-        let around = stride * (self.sizes[direction.axis] as isize - 1);
-        if direction.up { (stride, -around) } else { (-stride, around) }
-    }
-
-    /// The neighbour of a site, if there is one.
-    #[must_use]
-    pub fn neighbour(&self, site: usize, direction: Direction) -> Option<usize> {
-        let (inside, across) = self.offsets(direction);
-        let last = self.is_last(site, direction);
-        if last && !self.periodic[direction.axis] {
-            return None;
+    /// The coordinate along an axis, counted around a periodic one; none beyond an open end.
+    pub(super) fn coordinate(&self, axis: usize, at: isize) -> Option<usize> {
+        match usize::try_from(at) {
+            Ok(inside) if inside < self.sizes[axis] => Some(inside),
+            _ if !self.periodic[axis] => None,
+            _ => Some(at.rem_euclid(self.sizes[axis] as isize) as usize),
         }
-        site.checked_add_signed(if last { across } else { inside })
+    }
+
+    /// The neighbour of a site along an axis, `up` or down, if there is one.
+    pub fn neighbour(&self, site: usize, axis: usize, up: bool) -> Option<usize> {
+        let stride: usize = self.sizes[..axis].iter().product();
+        let at = site / stride % self.sizes[axis];
+        let next = self.coordinate(axis, at as isize + if up { 1 } else { -1 })?;
+        Some(site - at * stride + next * stride)
     }
 
     /// Sizes and boundaries in words.

@@ -13,8 +13,8 @@ use super::{Op, System, Weights};
 ///
 /// # Panics
 /// For other operations.
-pub fn derived<S: System + ?Sized>(
-    system: &S,
+pub fn derived(
+    system: &dyn System,
     op: Op<&[Row]>,
     h: Weights<'_>,
     out: &mut [Row],
