@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use scenes::{Changes, count};
@@ -117,8 +117,8 @@ quantile as q0.05), value and error; or of samples, with t and a column for each
 }
 
 impl Command {
-    /// Executes the command.
-    pub fn run(self) -> Done {
+    /// Executes the command; job scripts start `program`.
+    pub fn run(self, program: &Path) -> Done {
         use Command::*;
         match self {
             New { name, list } => commands::new(name.as_deref(), list),
@@ -130,7 +130,7 @@ impl Command {
             Lyapunov(asked) => commands::compute(&asked),
             Order(asked) => commands::compute(&asked),
             Compare(asked) => commands::compute(&asked),
-            Plan(asked) => commands::plan(&asked),
+            Plan(asked) => commands::plan(&asked, program),
             Part { folder, part, threads, on } => commands::part(&folder, part, threads, on),
             Merge { folder, write, json } => commands::merge(&folder, &write, json),
             Extend { folder, paths } => commands::extend(&folder, paths),

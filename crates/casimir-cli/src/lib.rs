@@ -5,16 +5,13 @@
 mod arguments;
 mod commands;
 
-use std::{ffi::OsString, path::PathBuf, sync::OnceLock};
+use std::{ffi::OsString, path::PathBuf};
 
 use clap::Parser;
 use verbs::failure::Failure;
 
-use arguments::{Arguments, Command};
+use arguments::Arguments;
 pub use commands::card;
-
-/// The program that job scripts start.
-static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
 /// Runs the command line `arguments`, which begin with a name of the program, and returns the exit
 /// code; `program` is the file that job scripts start.
@@ -26,10 +23,11 @@ pub fn run(program: PathBuf, arguments: Vec<OsString>) -> u8 {
             return error.exit_code() as u8;
         }
     };
-    _ = PROGRAM.set(program);
     commands::handle_signals();
-    let cited = || commands::citation(citation.flatten().as_deref());
-    let done = command.map_or_else(cited, Command::run);
+    let done = match command {
+        Some(command) => command.run(&program),
+        None => commands::citation(citation.flatten().as_deref()),
+    };
     commands::left_to_processor();
     let (code, kind, words) = match done {
         Ok(()) => return 0,

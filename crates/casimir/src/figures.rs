@@ -10,8 +10,10 @@ pub fn law(points: &[Summary]) -> Law {
     let all = |of: &dyn Fn(&Summary) -> Option<f64>| -> Vec<f64> {
         points.iter().map(|point| of(point).unwrap_or(f64::NAN)).collect()
     };
-    let levels = points.iter().map(|point| &point.quantiles).find(|all| !all.is_empty());
-    let quantiles = levels
+    let quantiles = points
+        .iter()
+        .map(|point| &point.quantiles)
+        .find(|all| !all.is_empty())
         .into_iter()
         .flatten()
         .enumerate()
@@ -29,15 +31,17 @@ pub fn law(points: &[Summary]) -> Law {
 
 /// The histogram of an observable with this name at one time as an SVG document.
 pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
-    let median = summary.quantile(0.5).and_then(|quantile| quantile.value);
     let (lo, width, counts) = summary
         .histogram
         .as_ref()
         .map_or((0.0, 1.0, &[][..]), |found| (found.grid.lo, found.grid.width, &found.counts));
-    let all = if counts.is_empty() { 0 } else { summary.count };
-    let x_title = format!("{observable} at t = {}", summary.time);
-    let bins = Bins { lo, width, counts, all };
-    figure::histogram(title, &x_title, bins, median, summary.mean)
+    figure::histogram(
+        title,
+        &format!("{observable} at t = {}", summary.time),
+        Bins { lo, width, counts, all: if counts.is_empty() { 0 } else { summary.count } },
+        summary.quantile(0.5).and_then(|quantile| quantile.value),
+        summary.mean,
+    )
 }
 
 /// The strong errors of a comparison with their intervals against the time and against the steps of
@@ -45,22 +49,25 @@ pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
 pub fn comparison(comparison: &Comparison) -> String {
     let plot = |x_title: &str, decades, cost: fn(&ErrorPoint) -> Option<f64>| {
         let curves = comparison.candidates.iter().map(|candidate| {
-            let resolved = candidate.points.iter().filter(|point| point.resolved);
-            let measured = |point: &ErrorPoint| {
-                let ErrorPoint { error: y, lo, hi, .. } = *point;
-                Some(Measured { x: cost(point)?, y, lo, hi })
-            };
-            Curve::new(&candidate.scheme, resolved.filter_map(measured))
+            Curve::new(
+                &candidate.scheme,
+                candidate.points.iter().filter(|point| point.resolved).filter_map(|point| {
+                    let ErrorPoint { error: y, lo, hi, .. } = *point;
+                    Some(Measured { x: cost(point)?, y, lo, hi })
+                }),
+            )
         });
         Plot { x_title: x_title.into(), decades, curves: curves.collect() }
     };
     let time = |point: &ErrorPoint| Some(1e6 * point.time?.best);
-    let plots = vec![
-        plot("processor time of a path, μs", true, time),
-        plot("steps of a path", false, |point| Some(point.steps as f64)),
-    ];
-    let title = format!("{}: strong error against cost", comparison.system);
-    figure::side_by_side(&title, "RMS error of y(T)", plots)
+    figure::side_by_side(
+        &format!("{}: strong error against cost", comparison.system),
+        "RMS error of y(T)",
+        vec![
+            plot("processor time of a path, μs", true, time),
+            plot("steps of a path", false, |point| Some(point.steps as f64)),
+        ],
+    )
 }
 
 #[cfg(test)]

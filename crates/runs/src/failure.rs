@@ -22,6 +22,14 @@ pub enum Failure {
 /// The result of a command.
 pub type Done<T = ()> = Result<T, Failure>;
 
+/// Refuses a request that cannot be met.
+///
+/// # Errors
+/// Always: [`Failure::Usage`].
+pub fn refuse<T>(words: impl Into<String>) -> Done<T> {
+    Err(Failure::Usage(words.into()))
+}
+
 /// A scene or an argument is wrong, or else the run failed.
 impl<E: Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {

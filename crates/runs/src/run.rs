@@ -1,6 +1,6 @@
 //! Paths and their statistics.
 
-use std::time::Instant;
+use std::{iter::zip, time::Instant};
 
 use casimir::{
     analysis::{StepCheck, block_starts, checked_paths, is_by_blocks, step_check},
@@ -17,7 +17,7 @@ use crate::{
     output::{self, Array},
     watch::Watch,
 };
-use scenes::{AUTO, Combination, Observable, Quantity, Scene, Sweep, model::Known};
+use scenes::{AUTO, Combination, Observable, Quantity, Scene, Sweep};
 
 /// A scheme, and why it was chosen if that was left to the program, or what it loses over long
 /// times: what `plan` settles, so that no part inspects the system.
@@ -32,9 +32,12 @@ pub fn scheme(scene: &Scene) -> Settled {
     }
     let system = scene.model.system().description();
     let constant = system.linearity == Linearity::Constant;
-    let explicit = BuiltIn::named(named).filter(|of| of.is_explicit(constant) && !system.plain);
-    let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
-    (named.clone(), explicit.map(loses))
+    (
+        named.clone(),
+        BuiltIn::named(named)
+            .filter(|scheme| scheme.is_explicit(constant) && !system.plain)
+            .map(|scheme| format!("{}; auto takes {auto}", scheme.long_times(constant))),
+    )
 }
 
 /// Results of a run.
@@ -43,8 +46,7 @@ pub struct Results {
     pub scheme: String,
     /// Reason for the scheme, if it was left to the program.
     pub because: Option<String>,
-    /// Facts about the system.
-    pub known: Known,
+
     /// Tables of the first paths.
     pub tables: Vec<TimeSeries>,
     /// Statistics of all paths, if there are many.
@@ -66,8 +68,7 @@ pub fn settle(sweep: &Sweep) -> Vec<Settled> {
 
 /// The runs of all combinations, checked.
 pub fn ready(sweep: &Sweep, settled: Vec<Settled>) -> Done<Vec<Ready<'_>>> {
-    let both = sweep.combinations.iter().zip(settled);
-    both.map(|(combination, settled)| Ready::new(combination, settled)).collect()
+    zip(&sweep.combinations, settled).map(|(one, settled)| Ready::new(one, settled)).collect()
 }
 
 /// Computes runs one after the other; none where another part has it, or it was not begun.
@@ -77,9 +78,13 @@ pub fn compute<'a>(
     job: &Job,
     watch: &Watch,
 ) -> Done<Outcomes<'a>> {
-    let is_stopped = || watch.stop.is_asked();
-    let one = |ready: Ready<'_>| if is_stopped() { Ok(None) } else { ready.compute(job, watch) };
-    Ok(Outcomes { sweep, results: ready.into_iter().map(one).collect::<Done<_>>()? })
+    Ok(Outcomes {
+        sweep,
+        results: ready
+            .into_iter()
+            .map(|ready| if watch.stop.is_asked() { Ok(None) } else { ready.compute(job, watch) })
+            .collect::<Done<_>>()?,
+    })
 }
 
 /// Results at each combination of a sweep.
@@ -93,8 +98,8 @@ pub struct Outcomes<'a> {
 impl Outcomes<'_> {
     /// Combinations with their results.
     pub fn found(&self) -> impl Iterator<Item = (&Combination, &Results)> {
-        let both = self.sweep.combinations.iter().zip(&self.results);
-        both.filter_map(|(combination, results)| Some((combination, results.as_ref()?)))
+        zip(&self.sweep.combinations, &self.results)
+            .filter_map(|(combination, results)| Some((combination, results.as_ref()?)))
     }
 
     /// Whether there is nothing after t = 0.
@@ -152,24 +157,26 @@ impl Results {
     /// The paths of the tables that ended early, and why.
     pub fn halted(&self, scene: &Scene) -> impl Iterator<Item = (usize, &String)> {
         let tables = if self.lacks_tables(scene) { &[] } else { &self.tables[..] };
-        let all = tables.iter().enumerate();
-        all.filter_map(|(path, table)| Some((path, table.halted.as_ref()?)))
+        tables.iter().enumerate().filter_map(|(path, table)| Some((path, table.halted.as_ref()?)))
     }
 
     /// Warnings about single paths, the steps and the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<Warning> {
-        let Self { study, known, .. } = self;
-        let mut all = Vec::from_iter(known.mistake.clone().map(Warning::new));
+        let Self { study, .. } = self;
+        let mut all = Vec::from_iter(scene.model.known().mistake.map(Warning::new));
         all.extend(output::step_lines(self, scene));
         all.extend(study.iter().flat_map(|study| study.warnings.clone()));
-        let of_path = |(path, halted)| Warning::new(format!("path {path}: {halted}"));
-        all.extend(self.halted(scene).map(of_path));
+        all.extend(
+            self.halted(scene).map(|(path, why)| Warning::new(format!("path {path}: {why}"))),
+        );
         if self.lacks_tables(scene) {
             all.push(Warning::new("stopped before the tables of single paths, which come last"));
         }
         if study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty()) {
-            let few = Warning::new("pairs and autocorrelations are of 100 paths or more");
-            all.push(few.with_remedy("take more `paths`"));
+            all.push(
+                Warning::new("pairs and autocorrelations are of 100 paths or more")
+                    .with_remedy("take more `paths`"),
+            );
         }
         all
     }
@@ -177,18 +184,36 @@ impl Results {
 
 /// The means of the observables of a few paths in time.
 pub fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
-    let longest = tables.iter().map(|table| table.times()).max_by_key(|times| times.len());
-    let series = |Observable { name, .. }: &Observable| {
-        let columns: Vec<&[f64]> = tables.iter().filter_map(|table| table.column(name)).collect();
-        let point = |(k, &time): (usize, &f64)| {
-            let values = columns.iter().filter_map(|values| values.get(k));
-            let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
-            Summary { time, count, mean: Some(sum / count as f64), ..Summary::default() }
-        };
-        let points = longest.unwrap_or_default().iter().enumerate().map(point).collect();
-        Series { observable: name.clone(), kind: Kind::Observable, points }
-    };
-    scene.observables.iter().map(series).collect()
+    let longest = tables.iter().map(TimeSeries::times).max_by_key(|times| times.len());
+    scene
+        .observables
+        .iter()
+        .map(|Observable { name, .. }| {
+            let columns: Vec<&[f64]> =
+                tables.iter().filter_map(|table| table.column(name)).collect();
+            Series {
+                observable: name.clone(),
+                kind: Kind::Observable,
+                points: longest
+                    .unwrap_or_default()
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &time)| {
+                        let (sum, count) = columns
+                            .iter()
+                            .filter_map(|values| values.get(k))
+                            .fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+                        Summary {
+                            time,
+                            count,
+                            mean: Some(sum / count as f64),
+                            ..Summary::default()
+                        }
+                    })
+                    .collect(),
+            }
+        })
+        .collect()
 }
 
 /// A checked run.
@@ -201,29 +226,29 @@ pub struct Ready<'a> {
 
 impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
-    pub fn new(combination: &'a Combination, settled: Settled) -> Done<Self> {
+    fn new(combination: &'a Combination, settled: Settled) -> Done<Self> {
         let scene = &combination.scene;
         if let Some(large) = scene.model.large() {
             large::check(scene, large, &settled.0)?;
             return Ok(Self { combination, setup: None, settled });
         }
         let setup = scene.collecting(scene.setup(&settled.0)?);
-        let settings = &scene.settings;
-        if setup.scheme.about().clips_increments
+        let (about, settings) = (setup.scheme.about(), &scene.settings);
+        if about.clips_increments
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
         {
             let least = settings.until.floor() as u64 + 1;
             return Err(scene.steps_error(format_args!(
                 "{} truncates increments: {error}. Take at least {least} steps, or leave out \
                  `truncation`",
-                setup.scheme.about().id
+                about.id
             )))?;
         }
         Ok(Self { combination, setup: Some(setup), settled })
     }
 
     /// Computes tables and statistics; none if another part has them.
-    pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
+    fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
         let Self { combination, setup, settled } = self;
         let Some(setup) = setup else {
@@ -239,12 +264,13 @@ impl<'a> Ready<'a> {
             RunError::Memory(_) => Failure::from(error),
             error => scene.steps_error(error).into(),
         };
-        let simulation = Simulation::new(setup.clone(), truncation);
-        let mut simulation = simulation.every(steps / settings.times);
+        let mut simulation =
+            Simulation::new(setup.clone(), truncation).every(steps / settings.times);
         (simulation.components, simulation.stop) = (components.clone(), watch.stop.clone());
-        let is_component = |phi: &&Observable| matches!(phi.quantity, Quantity::Component(_));
-        for observable in observables.iter().filter(|phi| !is_component(phi)) {
-            simulation = simulation.observing(observable.clone());
+        for observable in observables {
+            if !matches!(observable.quantity, Quantity::Component(_)) {
+                simulation = simulation.observing(observable.clone());
+            }
         }
         simulation.demand(steps, settings.tables).map_err(wrong)?;
         let mut study = None;
@@ -254,54 +280,63 @@ impl<'a> Ready<'a> {
                 stop: watch.stop.clone(),
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
-            let new = || Study::new(&setup, observables, &wanted);
-            let of_all = watch.under(&format!("{prefix}bins"), 0, |_| new()).map_err(wrong)?;
+            let of_all = watch
+                .under(&format!("{prefix}bins"), 0, |_| Study::new(&setup, observables, &wanted))
+                .map_err(wrong)?;
             if watch.stop.is_asked() {
                 return Ok(None);
             }
-            let (what, cost) = (format!("{prefix}paths"), settings.paths.saturating_mul(steps));
-            study = watch.under(&what, cost, |told| of_all.telling(told).run_in(job, "study"));
+            study = watch.under(
+                &format!("{prefix}paths"),
+                settings.paths.saturating_mul(steps),
+                |told| of_all.telling(told).run_in(job, "study"),
+            );
         }
         let tables_of = |simulation: Simulation<'_>| {
-            let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
-            let paths = |told: &(dyn Fn(u64) + Sync)| {
-                let mut simulation = simulation;
-                simulation.told = Box::new(told);
-                simulation.paths(steps, key, 0..settings.tables)
-            };
-            watch.under(&what, cost, paths).map_err(wrong)
+            watch
+                .under(&format!("{prefix}tables"), settings.tables.saturating_mul(steps), |told| {
+                    let mut simulation = simulation;
+                    simulation.told = Box::new(told);
+                    simulation.paths(steps, key, 0..settings.tables)
+                })
+                .map_err(wrong)
         };
         // Blocks of time begin at the states of path 0.
         let by_blocks = !scene.collects() && is_by_blocks(settings.paths, steps, &setup.problem);
-        let (tables, simulation) = match by_blocks {
-            true => (tables_of(simulation)?, None),
-            false => (Vec::new(), Some(simulation)),
-        };
-        let columns = tables.first().map(|table| table.columns.iter());
-        let columns = columns.map(|all| all.filter(|column| column.role == Role::Component));
-        let starts = columns.map(|all| all.map(|column| &column.values[..]).collect::<Vec<_>>());
-        let starts = starts.filter(|_| !watch.stop.is_asked()).map(|all| block_starts(&all));
+        let (tables, simulation) =
+            if by_blocks { (tables_of(simulation)?, None) } else { (Vec::new(), Some(simulation)) };
+        let starts = tables.first().filter(|_| !watch.stop.is_asked()).map(|table| {
+            block_starts(
+                &table
+                    .columns
+                    .iter()
+                    .filter(|column| column.role == Role::Component)
+                    .map(|column| &*column.values)
+                    .collect::<Vec<_>>(),
+            )
+        });
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-        let (what, cost) = (format!("{prefix}step errors"), steps.saturating_mul(3 * checked));
-        let check = watch.under(&what, cost, |told| {
-            let fastest = model.fastest();
-            let of = (steps, checked, starts.as_deref());
-            step_check(&setup, &phi, of, fastest, (truncation, key), (job, told))
-        });
-        let check = check.map_err(|error| scene.steps_error(error))?;
+        let check = watch
+            .under(&format!("{prefix}step errors"), steps.saturating_mul(3 * checked), |told| {
+                step_check(
+                    &setup,
+                    &phi,
+                    (steps, checked, starts.as_deref()),
+                    model.fastest(),
+                    (truncation, key),
+                    (job, told),
+                )
+            })
+            .map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let tables = match simulation {
-            Some(simulation) => tables_of(simulation)?,
-            None => tables,
-        };
+        let tables = simulation.map_or(Ok(tables), tables_of)?;
         let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
-        let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
-        let spectra = Vec::new();
+        let seconds = start.elapsed().as_secs_f64();
         let found =
-            Results { scheme, because, known, tables, study, means, check, spectra, seconds };
+            Results { scheme, because, tables, study, means, check, spectra: Vec::new(), seconds };
         Ok(Some(found))
     }
 }

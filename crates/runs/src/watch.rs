@@ -78,20 +78,18 @@ impl Watch {
             let ((half_width, whole), since) = (*last(), now());
             let so_far = match half_width.is_finite() {
                 _ if half_width <= accuracy => return,
-                true => {
-                    let more = (whole - since).max(1.0) / 60.0;
-                    let more = match more < MANY_MINUTES {
-                        true => format!("about {more:.1} more"),
-                        false => "far from it".into(),
-                    };
-                    format!("±{half_width:.1e} so far, {more}")
-                }
                 false if since < PATIENCE.as_secs_f64() => return,
                 false => "no estimate yet".into(),
+                true => match (whole - since).max(1.0) / 60.0 {
+                    more if more < MANY_MINUTES => {
+                        format!("±{half_width:.1e} so far, about {more:.1} more")
+                    }
+                    _ => format!("±{half_width:.1e} so far, far from it"),
+                },
             };
             let since = since / 60.0;
-            let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
-            self.progress.say(&words);
+            self.progress
+                .say(&format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}"));
         };
         let result = watched(PATIENCE, say, || self.under(what, 0, |_| work(&told)));
         say();
@@ -110,8 +108,7 @@ impl Watch {
         progress.begin(what, path_steps);
         let say = || {
             let since = start.elapsed().as_secs_f64();
-            let part = path_steps as f64 / done.load(Ordering::Relaxed) as f64;
-            let left = since * (part - 1.0);
+            let left = since * (path_steps as f64 / done.load(Ordering::Relaxed) as f64 - 1.0);
             let known = left.is_finite().then(|| format!(", about {left:.0} s left"));
             if !progress.is_seen() {
                 progress.say(&format!("{what}: {since:.0} s so far{}", known.unwrap_or_default()));

@@ -9,11 +9,14 @@ const ENTRIES: &str = include_str!("citation.bib");
 pub fn bibtex(result: Option<&Value>) -> String {
     let Some(result) = result else { return ENTRIES.into() };
     let used = [used(result), vec!["always"]].concat();
-    let is_used = |entry: &&str| {
-        let mut when = entry.lines().take(1).flat_map(|line| line.split([' ', ',']));
-        when.any(|word| used.contains(&word))
-    };
-    let entries: Vec<&str> = ENTRIES.trim_end().split("\n\n").filter(is_used).collect();
+    let entries: Vec<&str> = ENTRIES
+        .trim_end()
+        .split("\n\n")
+        .filter(|entry| {
+            let mut when = entry.lines().take(1).flat_map(|line| line.split([' ', ',']));
+            when.any(|word| used.contains(&word))
+        })
+        .collect();
     entries.join("\n\n") + "\n"
 }
 
@@ -24,9 +27,11 @@ pub fn used(result: &Value) -> Vec<&str> {
         return all.iter().flat_map(used).collect();
     }
     // Where results have others in them. `inspect` names schemes elsewhere, and uses none.
-    let parts = ["runs", "candidates", "record"];
-    let mut found: Vec<&str> =
-        parts.iter().filter_map(|part| result.get(part)).flat_map(used).collect();
+    let mut found: Vec<&str> = ["runs", "candidates", "record"]
+        .iter()
+        .filter_map(|part| result.get(part))
+        .flat_map(used)
+        .collect();
     let scheme = result["scheme"].as_str();
     found.extend(scheme);
     // `expect` alone tells levels. Without noise each has one path; Sobol points have no areas.

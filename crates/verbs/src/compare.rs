@@ -1,17 +1,12 @@
 //! Comparison of schemes: the cheapest one for an error.
 
-use std::time::Instant;
-
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
     figures,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use super::{Found, Store, Stores, Verb, Watch};
-use crate::{failure::Done, output::Figure};
-use scenes::{Changes, Scene, SchemeAndSeed, Set};
+use crate::prelude::*;
+use scenes::Set;
 
 /// Error against cost of all schemes, and the cheapest one for an error of y(T).
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -55,50 +50,49 @@ impl Verb for Compare {
     const STORES: Stores = Stores::Measurements;
 
     fn changes(&self) -> Changes {
-        let scheme = SchemeAndSeed { scheme: None, seed: self.seed, sets: self.sets.clone() };
-        Changes { scheme, ..Changes::default() }
+        Changes {
+            scheme: SchemeAndSeed { scheme: None, seed: self.seed, sets: self.sets.clone() },
+            ..Changes::default()
+        }
     }
 
     fn meaning(&self) -> String {
         format!("error = {}\n", self.error)
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
         let (&Self { error, budget, .. }, settings) = (self, &scene.settings);
         let start = Instant::now();
         let (auto, because) = scene.model.recommended();
-        let spent = start.elapsed().as_secs_f64();
         let wanted = CompareSettings {
-            budget_s: (budget - spent).max(0.5 * budget),
+            budget_s: (budget - start.elapsed().as_secs_f64()).max(0.5 * budget),
             stop: watch.stop.clone(),
             job: store.job().cloned(),
             ..CompareSettings::new(error, settings.truncation, settings.key)
         };
         let candidates = Candidates::built_in(|id| scene.model.scheme(id))
-            .map_err(|error| scene.source.error(None, error))?;
-        let what = format!("errors and times of all schemes, {budget} s at most");
-        let problem = scene.problem();
-        let comparison = watch.under(&what, 0, |_| {
-            let told = |least, left_s| {
-                watch.progress.message(&format!(
-                    "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
-                ));
-            };
-            analysis::compare(&problem, &candidates, &wanted, &told)
-        });
+            .map_err(|error| refused(scene, error))?;
+        let comparison =
+            watch.under(&format!("errors and times of all schemes, {budget} s at most"), 0, |_| {
+                analysis::compare(&scene.problem(), &candidates, &wanted, &|least, left_s| {
+                    watch.progress.message(&format!(
+                        "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
+                    ));
+                })
+            });
         watch.check()?;
-        let comparison = comparison.map_err(|error| scene.source.error(None, error))?;
+        let comparison = comparison.map_err(|error| refused(scene, error))?;
         let rule = match comparison.recommended() {
             Some(scheme) if scheme == auto => format!("`auto` takes {auto}, too"),
             _ => format!(
                 "`auto` takes {auto} for long times: {because}.\nThe table ranks by processor time for \
-             this error at T = {}, on this machine",
+                 this error at T = {}, on this machine",
                 settings.until
             ),
         };
         let caption = "Errors of all schemes against their cost.";
         let figure = Figure::new("compare", figures::comparison(&comparison), caption);
         let text = format!("{comparison}\n{rule}.\n");
-        Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
+        Ok(Found::of(scene, [], &text, json!(comparison), vec![figure]))
     }
 }

@@ -19,9 +19,10 @@ pub fn read(source: &Source, known: &[&str]) -> Done<(Vec<String>, Data)> {
         .trim(Trim::All)
         .comment(Some(b'#'))
         .from_reader(source.text.as_bytes());
+    let wrong = |record: &StringRecord, field: usize, words: String| {
+        Failure::Usage(source.error(place(&source.text, record, field), words).to_string())
+    };
     let unread = |error: csv::Error| Failure::Usage(format!("{}: {error}", source.name));
-    let wrong =
-        |place: Range<usize>, words: String| Failure::Usage(source.error(place, words).to_string());
     let header = reader.headers().map_err(unread)?.clone();
     let column = |names: &[&str]| header.iter().position(|name| names.contains(&name));
     let Some(time) = column(&["t", "time"]) else {
@@ -30,47 +31,57 @@ pub fn read(source: &Source, known: &[&str]) -> Done<(Vec<String>, Data)> {
              each observable",
             MOMENTS.join(", ")
         );
-        return Err(wrong(place(&source.text, &header, 0), words));
+        return Err(wrong(&header, 0, words));
     };
-    let know = |name: &str, at: Range<usize>| match known.contains(&name) {
-        true => Ok(()),
-        false => {
-            let known = known.join(", ");
-            Err(wrong(at, format!("no observable `{name}`; there are {known}")))
+    let know = |record: &StringRecord, field: usize| {
+        let name = &record[field];
+        if known.contains(&name) {
+            return Ok(());
         }
+        Err(wrong(record, field, format!("no observable `{name}`; there are {}", known.join(", "))))
     };
     let records = reader.records().collect::<Result<Vec<_>, _>>().map_err(unread)?;
-    let number = |record: &StringRecord, k: usize| {
-        let text = &record[k];
+    let number = |record: &StringRecord, field: usize| {
+        let text = &record[field];
         text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| {
-            let words = format!("`{text}` in the column `{}` is not a number", &header[k]);
-            wrong(place(&source.text, record, k), words)
+            let column = &header[field];
+            wrong(record, field, format!("`{text}` in the column `{column}` is not a number"))
         })
     };
     let refused = |error| Failure::Usage(format!("{}: {error}", source.name));
-    let columns = [1, 2, 3, 4].map(|k| column(&[MOMENTS[k]]));
-    let [Some(observable), Some(statistic), Some(value), Some(error)] = columns else {
+    let [Some(observable), Some(statistic), Some(value), Some(error)] =
+        [1, 2, 3, 4].map(|k| column(&[MOMENTS[k]]))
+    else {
         let of: Vec<usize> = (0..header.len()).filter(|&k| k != time).collect();
-        of.iter().try_for_each(|&k| know(&header[k], place(&source.text, &header, k)))?;
-        let sample = |record: &StringRecord| {
-            let values = of.iter().map(|&k| number(record, k)).collect::<Done<_>>();
-            Ok((number(record, time)?, values?))
-        };
-        let samples = records.iter().map(sample).collect::<Done<_>>()?;
-        let names = of.iter().map(|&k| header[k].to_owned()).collect();
-        return Ok((names, Data::of_samples(samples).map_err(refused)?));
+        of.iter().try_for_each(|&k| know(&header, k))?;
+        let data = Data::of_samples(
+            records
+                .iter()
+                .map(|record| {
+                    Ok((
+                        number(record, time)?,
+                        of.iter().map(|&k| number(record, k)).collect::<Done<_>>()?,
+                    ))
+                })
+                .collect::<Done<_>>()?,
+        )
+        .map_err(refused)?;
+        return Ok((of.iter().map(|&k| header[k].to_owned()).collect(), data));
     };
     let (mut names, mut moments, mut errors) = (Vec::<String>::new(), Vec::new(), Vec::new());
     for record in &records {
         let (name, text) = (&record[observable], &record[statistic]);
-        know(name, place(&source.text, record, observable))?;
+        know(record, observable)?;
         let level = || text.strip_prefix('q')?.parse().ok().filter(|p| 0.0 < *p && *p < 1.0);
         let statistic = match text {
             "mean" => Statistic::Mean,
             "variance" => Statistic::Variance,
             _ => Statistic::Quantile(level().ok_or_else(|| {
-                let words = format!("`{text}` is neither mean, variance nor a quantile as q0.05");
-                wrong(place(&source.text, record, statistic), words)
+                wrong(
+                    record,
+                    statistic,
+                    format!("`{text}` is neither mean, variance nor a quantile as q0.05"),
+                )
             })?),
         };
         let of = names.iter().position(|known| known == name).unwrap_or_else(|| {
@@ -81,8 +92,7 @@ pub fn read(source: &Source, known: &[&str]) -> Done<(Vec<String>, Data)> {
         moments.push(Moment { time, of, statistic, value });
         let size = number(record, error)?;
         if size <= 0.0 {
-            let words = format!("an error must be positive, got {size}");
-            return Err(wrong(place(&source.text, record, error), words));
+            return Err(wrong(record, error, format!("an error must be positive, got {size}")));
         }
         errors.push(size);
     }

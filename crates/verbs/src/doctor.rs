@@ -1,9 +1,6 @@
 //! Facts about this machine, and a self-test of the computation.
 
-use std::{
-    env::consts::{ARCH, OS},
-    time::Instant,
-};
+use std::env::consts::{ARCH, OS};
 
 use casimir::{
     mc::Simulation,
@@ -12,11 +9,8 @@ use casimir::{
 };
 use rayon::ThreadPoolBuilder;
 
-use crate::{
-    Expect, Found, Store, Verb, Watch,
-    failure::{Done, Failure},
-};
-use scenes::{Changes, Scene, Source, gallery};
+use crate::{Expect, prelude::*};
+use scenes::{Source, gallery};
 
 /// Expected results of the self-test on scenes of the gallery, at their ends.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +68,15 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
         limit_to(level);
         // One and all.
         for threads in (1..=all).step_by(all.max(2) - 1) {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
             // Two blocks.
-            let paths = pool.install(|| simulation.paths(STEPS, body.settings.key, 0..64))?;
-            let states = paths.iter().flat_map(|path| &path.columns[1..4]);
-            ends = states.map(|y| y.values.last().copied().unwrap_or(f64::NAN)).collect();
+            ends = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()?
+                .install(|| simulation.paths(STEPS, body.settings.key, 0..64))?
+                .iter()
+                .flat_map(|path| &path.columns[1..4])
+                .map(|y| y.values.last().copied().unwrap_or(f64::NAN))
+                .collect();
             let mixed = ends.iter().fold(0, |mixed: u64, y| {
                 (mixed.rotate_left(23) ^ y.to_bits()).wrapping_mul(0x0100_0000_01b3)
             });
@@ -86,27 +84,34 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
             check(mixed == bits, format!("{of}: expected {bits:016x}, came {mixed:016x}"));
         }
     }
-    let off = ends.chunks(3).map(|y| (y.iter().map(|y| y * y).sum::<f64>() - square).abs());
-    let off = off.max_by(f64::total_cmp).unwrap_or(f64::NAN);
-    let words = format!("|y|² of a rigid body: expected {square:.12} ± 1e-12, came ± {off:.0e}");
-    check(off <= 1e-12, words);
-    let watch = Watch::new(());
+    let off = ends
+        .chunks(3)
+        .map(|y| (y.iter().map(|y| y * y).sum::<f64>() - square).abs())
+        .max_by(f64::total_cmp)
+        .unwrap_or(f64::NAN);
+    check(
+        off <= 1e-12,
+        format!("|y|² of a rigid body: expected {square:.12} ± 1e-12, came ± {off:.0e}"),
+    );
     let mut kubo = scene("kubo")?;
     kubo.accuracy = Some(5e-4);
     let Found { json, unreached, .. } =
-        Expect::default().compute(&kubo, &Store::Nothing, &watch)?;
+        Expect::default().compute(&kubo, &Store::Nothing, &Watch::new(()))?;
     let q = &json["estimates"][0];
     let [lo, hi, steps, seconds] = [&q["lo"], &q["hi"], &json["path_steps"], &json["seconds"]]
         .map(|number| number.as_f64().unwrap_or(f64::NAN));
-    let words = format!("E[q] of an oscillator: expected {mean:.5}, came [{lo:.5}, {hi:.5}]");
-    check(unreached.is_none() && (lo..=hi).contains(&mean), words);
+    check(
+        unreached.is_none() && (lo..=hi).contains(&mean),
+        format!("E[q] of an oscillator: expected {mean:.5}, came [{lo:.5}, {hi:.5}]"),
+    );
     text += &format!("{:.1e} path-steps of it per second\n", steps / seconds);
     Ok((text, all_hold))
 }
 
 /// A scene of the gallery.
 fn scene(name: &str) -> Done<Scene> {
-    let text = gallery::scene(name).map_err(Failure::Usage)?;
-    let source = Source::new(name, text);
-    Ok(Scene::new(source, &Changes::default())?)
+    Ok(Scene::new(
+        Source::new(name, gallery::scene(name).map_err(Failure::Usage)?),
+        &Changes::default(),
+    )?)
 }

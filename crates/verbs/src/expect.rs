@@ -1,23 +1,14 @@
 //! Expectations with intervals.
 
-use std::time::Instant;
+use std::ops::RangeInclusive;
 
 use casimir::{
     expectation::{self, Estimate, ExpectSettings, WarningKind},
-    mc::Observe,
     real::elementary::ln,
-    schemes::BuiltIn,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
 
-use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
-use crate::{
-    failure::{Done, Failure},
-    slopes,
-};
-use scenes::{AUTO, Changed, Changes, Count, Nearby, Scene, SchemeAndSeed};
+use crate::{prelude::*, slopes, with_interval};
+use scenes::{Changed, Nearby};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -63,77 +54,81 @@ impl Verb for Expect {
         format!("verb = expect\n{}", steps.unwrap_or_default())
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
-        expect(scene, self.coarsest_steps, store, watch)
-    }
-}
-
-fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) -> Done<Found> {
-    let accuracy = wanted(scene)?;
-    let nearby = match scene.gradient.is_empty() {
-        true => None,
-        false if jumps(scene).is_some() => Some(slopes::nearby(scene)?),
-        false => Some(nearby(scene)?),
-    };
-    let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
-    let (mut expect, mut settings, because) = chosen(scene)?;
-    if let Some(nearby) = &nearby {
-        expect = with_gradient(expect, nearby)?;
-    }
-    settings.coarsest_steps = coarsest.map_or(settings.coarsest_steps, |steps| steps.0);
-    let start = Instant::now();
-    let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
-    expect.checkpoint = store.samples();
-    let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let found = watch.until("the first estimates", accuracy, |told| {
-        let mut expect = expect;
-        expect.told = Box::new(told);
-        expect.run(&phi, accuracy)
-    });
-    if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
-        return Err(Failure::Stopped("before the first estimates".into()));
-    }
-    let (found, seconds) = (found?, start.elapsed().as_secs_f64());
-    // Components have names here.
-    let mut found = found;
-    for warning in &mut found.warnings {
-        if let WarningKind::Component(i) = warning.kind {
-            let name = &scene.components[i - 1];
-            warning.message.what = format!("the steps do not resolve {name}");
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
+        let accuracy = wanted(scene)?;
+        let nearby = if scene.gradient.is_empty() {
+            None
+        } else if jumps(scene).is_some() {
+            Some(slopes::nearby(scene)?)
+        } else {
+            Some(nearby(scene)?)
+        };
+        let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
+        let (mut expect, mut settings, because) = chosen(scene)?;
+        if let Some(nearby) = &nearby {
+            expect = with_gradient(expect, nearby)?;
         }
+        if let Some(steps) = self.coarsest_steps {
+            settings.coarsest_steps = steps.0;
+        }
+        let start = Instant::now();
+        let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
+        expect.checkpoint = store.samples();
+        let mut found = watch
+            .until("the first estimates", accuracy, |told| {
+                let mut expect = expect;
+                expect.told = Box::new(told);
+                expect.run(&observed(&scene.expected), accuracy)
+            })
+            .map_err(|error| {
+                if watch.stop.is_asked() {
+                    Failure::Stopped("before the first estimates".into())
+                } else {
+                    error.into()
+                }
+            })?;
+        let seconds = start.elapsed().as_secs_f64();
+        // Components have names here.
+        for warning in &mut found.warnings {
+            if let WarningKind::Component(i) = warning.kind {
+                let name = &scene.components[i - 1];
+                warning.message.what = format!("the steps do not resolve {name}");
+            }
+        }
+        let mut text = found.to_string();
+        if let Some(because) = &because {
+            text += &format!("{}: {because}\n", found.scheme);
+        }
+        text += &format!("{seconds:.2} s\n");
+        let all = |of: &[Estimate]| {
+            of.iter()
+                .map(|one| with_interval(one, one.interval(), one.half_width()))
+                .collect::<Value>()
+        };
+        let gradient = found.gradient.iter().map(|(parameter, of)| (parameter.clone(), all(of)));
+        let reached = found.reached();
+        let json = json!({
+            "scheme": found.scheme, "because": because,
+            "accuracy": found.accuracy, "reached": reached,
+            "estimates": all(&found.estimates), "gradient": gradient.collect::<Value>(),
+            "levels": found.levels, "single_steps": found.single_steps,
+            "path_steps": found.cost, "seconds": seconds,
+        });
+        let warnings = found.warnings.iter().map(expectation::Warning::told);
+        Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
     }
-    let mut text = found.to_string();
-    if let Some(because) = &because {
-        text += &format!("{}: {because}\n", found.scheme);
-    }
-    text += &format!("{seconds:.2} s\n");
-    let estimate = |one: &Estimate| with_interval(one, one.interval(), one.half_width());
-    let gradient = found.gradient.iter().map(|(parameter, estimates)| {
-        (parameter.clone(), estimates.iter().map(estimate).collect())
-    });
-    let json = json!({
-        "scheme": found.scheme, "because": because,
-        "accuracy": found.accuracy, "reached": found.reached(),
-        "estimates": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "gradient": gradient.collect::<serde_json::Map<_, _>>(),
-        "levels": found.levels, "single_steps": found.single_steps,
-        "path_steps": found.cost, "seconds": seconds,
-    });
-    let warnings = found.warnings.iter().map(expectation::Warning::told);
-    let reached = found.reached();
-    Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
 /// Change of a parameter over its size to begin with, and wanted distance of what is nearby over
 /// its size.
 const CHANGE: f64 = 1e-7;
-/// Distances over sizes, from and to.
-const DISTANCES: [f64; 2] = [1e-8, 1e-6];
+/// Distances over sizes that are near the wanted one.
+const DISTANCES: RangeInclusive<f64> = 1e-8..=1e-6;
 /// Factor of changes that nothing shows, and the number of trials.
 const MORE: f64 = 1e3;
 const TRIALS: usize = 12;
-/// Exponents of the distance in the change, from and to, of a function that has a derivative.
-const LINEAR: [f64; 2] = [0.5, 1.5];
+/// Exponents of the distance in the change, of a function that has a derivative.
+const LINEAR: RangeInclusive<f64> = 0.5..=1.5;
 /// Distance over the size that is more than rounding errors.
 const SEEN: f64 = 1e-12;
 /// Part of a difference from which on curvature is most of it.
@@ -161,20 +156,21 @@ impl Trial {
 
     /// Chooses the next change from the distance by the last one, or settles.
     fn next(&mut self, distance: f64) {
-        let ([least, most], [lowest, highest]) = (DISTANCES, LINEAR);
         if distance == 0.0 {
-            match self.change < 1.0f64.max(self.first / CHANGE) {
-                true => self.change *= MORE,
-                false => self.give_up(0.0),
+            if self.change < 1.0f64.max(self.first / CHANGE) {
+                self.change *= MORE;
+            } else {
+                self.give_up(0.0);
             }
-        } else if distance.is_nan() || (least..=most).contains(&distance) {
+        } else if distance.is_nan() || DISTANCES.contains(&distance) {
             self.settled = true;
         } else {
-            let exponent = self
+            if self
                 .before
                 .filter(|(_, before)| before.min(distance) > SEEN)
-                .map(|(change, before)| ln(distance / before) / ln(self.change / change));
-            if exponent.is_some_and(|p| p.is_finite() && !(lowest..=highest).contains(&p)) {
+                .map(|(change, before)| ln(distance / before) / ln(self.change / change))
+                .is_some_and(|p| p.is_finite() && !LINEAR.contains(&p))
+            {
                 return self.give_up(1.0);
             }
             self.before = distance.is_finite().then_some((self.change, distance));
@@ -198,25 +194,22 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
         return Err(refused(scene, words));
     }
     let distances = |nearby: &Nearby| -> Done<Vec<f64>> {
-        let phi: Vec<&dyn Observe> = nearby.scene.expected.iter().map(|phi| phi as _).collect();
-        Ok(with_gradient(chosen(&nearby.scene)?.0, nearby)?.distances(&phi))
-    };
-    let none = vec![CHANGE; scene.gradient.len()];
-    let first = |one: &Changed| match (one.value - one.offset).abs() {
-        0.0 => CHANGE,
-        size => CHANGE * size,
+        Ok(with_gradient(chosen(&nearby.scene)?.0, nearby)?
+            .distances(&observed(&nearby.scene.expected)))
     };
     let trial =
         |first| Trial { first, change: first, before: None, settled: false, curvature: 0.0 };
-    let mut trials: Vec<Trial> =
-        scene.nearby(&none)?.changed.iter().map(first).map(trial).collect();
+    let mut trials: Vec<Trial> = slopes::changes(scene, CHANGE)?.into_iter().map(trial).collect();
     let at = |trials: &[Trial], part: f64| {
         scene.nearby(&trials.iter().map(|one| part * one.change).collect::<Vec<_>>())
     };
     for _ in 0..TRIALS {
         let distances = distances(&at(&trials, 1.0)?)?;
-        let pairs = trials.iter_mut().zip(distances);
-        pairs.filter(|(one, _)| !one.settled).for_each(|(one, distance)| one.next(distance));
+        trials
+            .iter_mut()
+            .zip(distances)
+            .filter(|(one, _)| !one.settled)
+            .for_each(|(one, distance)| one.next(distance));
         if trials.iter().all(|one| one.settled) {
             break;
         }
@@ -224,16 +217,20 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
     // Half of a change gives half of a difference, but for its curvature.
     let slopes = |part: f64| -> Done<Vec<f64>> {
         let nearby = at(&trials, part)?;
-        let pairs = distances(&nearby)?.into_iter().zip(&nearby.changed);
-        Ok(pairs.map(|(distance, one)| distance / one.change).collect())
+        Ok(distances(&nearby)?
+            .into_iter()
+            .zip(&nearby.changed)
+            .map(|(distance, one)| distance / one.change)
+            .collect())
     };
     let [wholes, halves] = [slopes(1.0)?, slopes(0.5)?];
     for ((one, whole), half) in trials.iter_mut().zip(wholes).zip(halves) {
         let curvature = 2.0 * (whole / half - 1.0).abs();
-        match one.curvature == 0.0 && curvature.is_finite() {
-            true if curvature > CURVED => one.give_up(1.0),
-            true => one.curvature = curvature,
-            false => {}
+        if one.curvature == 0.0 && curvature.is_finite() {
+            one.curvature = curvature;
+            if curvature > CURVED {
+                one.give_up(1.0);
+            }
         }
     }
     let mut nearby = at(&trials, 1.0)?;
@@ -241,10 +238,6 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
         changed.curvature = one.curvature;
     }
     Ok(nearby)
-}
-
-fn refused(scene: &Scene, message: String) -> Failure {
-    scene.source.error(None, message).into()
 }
 
 /// The reason why there are no derivatives along paths, if there are none.
@@ -267,21 +260,17 @@ fn with_gradient<'a>(
     expect: expectation::Expect<'a>,
     Nearby { scene, changed }: &'a Nearby,
 ) -> Done<expectation::Expect<'a>> {
-    let refused = |message| refused(scene, message);
     let jumps = jumps(scene);
     let mut all = Vec::new();
-    for one in changed {
-        let Changed { parameter, change, offset, curvature, is_observed, scene: near, .. } = one;
+    for Changed { parameter, change, offset, curvature, is_observed, scene: near, .. } in changed {
+        let refused =
+            |why: &str| Err(refused(scene, format!("no derivative by `{parameter}`{why}")));
         if let (Some(jumps), true) = (&jumps, is_observed) {
-            let words = format!(
-                "no derivative by `{parameter}`, which is in what is observed, and {jumps}"
-            );
-            return Err(refused(words));
+            return refused(&format!(", which is in what is observed, and {jumps}"));
         }
-        let times = [scene, near].map(|scene| (scene.settings.until, scene.settings.steps));
-        if times[0] != times[1] {
-            let words = format!("no derivative by `{parameter}`: it changes the time of the end");
-            return Err(refused(words));
+        let end = |scene: &Scene| (scene.settings.until, scene.settings.steps);
+        if end(scene) != end(near) {
+            return refused(": it changes the time of the end");
         }
         all.push(expectation::Nearby {
             parameter: parameter.clone(),
@@ -289,16 +278,15 @@ fn with_gradient<'a>(
             offset: *offset,
             curvature: *curvature,
             expect: chosen(near)?.0.starting(None),
-            observables: near.expected.iter().map(|phi| phi as _).collect(),
+            observables: observed(&near.expected),
         });
     }
     let Some(jumps) = jumps else { return Ok(expect.with_gradient(all)?) };
     let systems = changed.iter().map(|near| near.scene.model.system());
     let nearby = (scene.model.system(), all.into_iter().zip(systems).collect());
-    let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
     expect
-        .with_scores(&phi, nearby)
-        .map_err(|error| refused(format!("{error}; and along paths there is none: {jumps}")))
+        .with_scores(&observed(&scene.expected), nearby)
+        .map_err(|error| refused(scene, format!("{error}; and along paths there is none: {jumps}")))
 }
 
 /// The accuracy that is wanted of a scene.
@@ -308,31 +296,34 @@ fn wanted(scene: &Scene) -> Done<f64> {
         let message = format!(
             "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
         );
-        scene.source.error(None, message).into()
+        refused(scene, message)
     })
 }
 
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.
 fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Option<String>)> {
     let settings = &scene.settings;
-    let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
-    let is_auto = settings.scheme == AUTO;
+    let with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let jumps = !scene.gradient.is_empty() && jumps(scene).is_some();
     let collects = scene.collects() && (jumps || scene.gradient.is_empty());
     // Scores have weak order one.
-    let whole = scene.model.expect().filter(|_| is_auto && !collects && !jumps);
-    let (expect, because) = match whole {
-        Some(chosen) => (chosen.starting(settings.random.clone()), None),
-        None => {
-            let (scheme, because) = scheme(scene);
-            with.truncation = settings.truncation;
-            with.coarsest_steps = coarsest_steps(settings.until);
-            let known = BuiltIn::named(&scheme).filter(|_| !collects && !jumps);
-            with.weak_order = known.map(|scheme| scheme.properties().weak);
-            let setup = scene.setup(&scheme)?;
-            let setup = if collects { scene.collecting(setup) } else { setup };
-            (expectation::Expect::with_scheme(setup), because)
-        }
+    let is_plain = !collects && !jumps;
+    if let Some(chosen) = scene.model.expect().filter(|_| settings.scheme == AUTO && is_plain) {
+        return Ok((chosen.starting(settings.random.clone()), with, None));
+    }
+    let (scheme, because) = scheme(scene);
+    let with = ExpectSettings {
+        truncation: settings.truncation,
+        coarsest_steps: coarsest_steps(settings.until),
+        weak_order: BuiltIn::named(&scheme)
+            .filter(|_| is_plain)
+            .map(|scheme| scheme.properties().weak),
+        ..with
     };
-    Ok((expect, with, because))
+    let setup = scene.setup(&scheme)?;
+    Ok((
+        expectation::Expect::with_scheme(if collects { scene.collecting(setup) } else { setup }),
+        with,
+        because,
+    ))
 }

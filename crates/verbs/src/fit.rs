@@ -1,27 +1,19 @@
 //! Parameters of a scene from data.
 
-use std::{fs, path::PathBuf, time::Instant};
+use std::path::PathBuf;
 
-use ::fit::{Effort, FitError, FitSettings, NearbySetup, Paths, Replicate, Statistic};
+use ::fit::{
+    Data, Effort, FitError, FitSettings, Moment, NearbySetup, Paths, Replicate, Statistic,
+};
 use casimir::{
     expectation::written,
-    mc::{Checkpoint, Observe},
+    mc::Checkpoint,
     plot::figure::{Law, Sampled, Trace, fitted, lines},
     real::elementary::{cos, sin},
-    schemes::BuiltIn,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
 
-use super::{
-    Found, Settled, Store, Stores, Verb, Watch, coarsest_steps, data::read, expect, scheme,
-};
-use crate::{
-    failure::{Done, Failure},
-    output::Figure,
-};
-use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed, Source};
+use crate::{Settled, data::read, expect, lines_of, prelude::*, source};
+use scenes::Source;
 
 /// Parameters from means, variances, quantiles or samples of data, with 95 % intervals.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -78,10 +70,11 @@ impl Verb for Fit {
         format!("fit of = {}\n{data}\n", self.parameters.join(","))
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
         let begun = Instant::now();
-        let known = scene.components.iter().chain(scene.observables.iter().map(|phi| &phi.name));
-        let mut known: Vec<&str> = known.map(|name| &**name).collect();
+        let observables = scene.observables.iter().map(|phi| &phi.name);
+        let known = scene.components.iter().chain(observables).map(|name| &**name);
+        let mut known: Vec<&str> = known.collect();
         known.sort_unstable();
         known.dedup();
         let (names, data) = read(&self.source()?, &known)?;
@@ -92,9 +85,8 @@ impl Verb for Fit {
         let (truncation, key) = (scene.settings.truncation, scene.settings.key);
         let (mut changes, mut scheme_of) = (None::<Vec<f64>>, None);
         // Evaluations of the model in their order: a fit that goes on takes them again.
-        let mut kept = store.samples().map_or(Ok(None), Checkpoint::read::<Vec<Kept>>)?;
-        let kept = kept.get_or_insert_default();
-        let mut done = 0;
+        let kept = store.samples().map_or(Ok(None), Checkpoint::read::<Vec<Kept>>)?;
+        let (mut kept, mut done) = (kept.unwrap_or_default(), 0);
         let mut model = |theta: &[f64], effort: &Effort| -> Done<Vec<Replicate>> {
             let values = start.iter().zip(theta).map(|((name, _), x)| (name.clone(), *x));
             let here = scene.at(&names, &values.collect::<Vec<_>>())?;
@@ -104,41 +96,41 @@ impl Verb for Fit {
             };
             changes = Some(nearby.changed.iter().map(|one| one.change).collect::<Vec<_>>());
             let (id, _) = scheme_of.get_or_insert_with(|| chosen(&nearby.scene));
-            fn observed(scene: &Scene) -> Vec<&dyn Observe> {
-                scene.expected.iter().map(|phi| phi as _).collect()
-            }
-            let near = nearby.changed.iter().map(|one| {
-                let (setup, observables) = (one.scene.setup(id)?, observed(&one.scene));
-                Ok(NearbySetup { setup, change: one.change, observables })
-            });
-            let (setup, near) = (nearby.scene.setup(id)?, near.collect::<Done<_>>()?);
-            let paths = Paths::new(setup, data.until(), observed(&nearby.scene), near);
             if let Some((at, of, found)) = kept.get(done)
                 && (&at[..], of) == (theta, effort)
             {
                 done += 1;
                 return Ok(found.clone());
             }
-            let cost = effort.all_paths() * effort.steps * steps * 3 / 2;
-            let found = watch.under("moments", cost, |told| {
-                paths.moments(&data, (steps, effort), (key, truncation), (&watch.stop, told))
+            let near = nearby.changed.iter().map(|one| {
+                let (setup, observables) = (one.scene.setup(id)?, observed(&one.scene.expected));
+                Ok(NearbySetup { setup, change: one.change, observables })
             });
+            let (setup, near) = (nearby.scene.setup(id)?, near.collect::<Done<_>>()?);
+            let paths = Paths::new(setup, data.until(), observed(&nearby.scene.expected), near);
+            let found =
+                watch.under("moments", effort.all_paths() * effort.steps * steps * 3 / 2, |told| {
+                    paths.moments(&data, (steps, effort), (key, truncation), (&watch.stop, told))
+                });
             watch.check()?;
             let found = found?;
             kept.truncate(done);
             kept.push((theta.to_vec(), *effort, found.clone()));
             done += 1;
             if let Some(file) = store.samples().filter(|file| file.is_due()) {
-                _ = file.write(kept);
+                _ = file.write(&kept);
             }
             Ok(found)
         };
         let evaluation = (steps * 3 / 2) * (1 + start.len() as u64);
-        let (most, stop) = (self.path_steps.0 / evaluation, watch.stop.clone());
-        let settings = FitSettings { most, stop, ..FitSettings::default() };
+        let settings = FitSettings {
+            most: self.path_steps.0 / evaluation,
+            stop: watch.stop.clone(),
+            ..FitSettings::default()
+        };
         let found = ::fit::fit(&data, &start, &settings, &mut model);
         match store.samples() {
-            Some(file) if watch.stop.is_asked() => _ = file.write(kept),
+            Some(file) if watch.stop.is_asked() => _ = file.write(&kept),
             file => file.map_or((), Checkpoint::remove),
         }
         let found = found.map_err(|error| match error {
@@ -147,12 +139,15 @@ impl Verb for Fit {
             error => Failure::Run(error.to_string()),
         })?;
         let (scheme, because) = scheme_of.unwrap_or_default();
-        let mut text = String::new();
-        for (k, (name, begin)) in start.iter().enumerate() {
-            let (value, half) = (found.values[k], found.half_width(k));
-            text +=
-                &format!("{name} = {} ± {half:.1e} (95 %), from {begin}\n", written(value, half));
-        }
+        let mut text: String = start
+            .iter()
+            .enumerate()
+            .map(|(k, (name, begin))| {
+                let half = found.half_width(k);
+                let value = written(found.values[k], half);
+                format!("{name} = {value} ± {half:.1e} (95 %), from {begin}\n")
+            })
+            .collect();
         let probability = found.probability.map_or(String::new(), |p| format!(", p = {p:.2}"));
         let (chi, degrees) = (found.chi_square, found.degrees);
         text += &format!("χ² = {chi:.1} with {degrees} degrees of freedom{probability}\n");
@@ -162,7 +157,7 @@ impl Verb for Fit {
         if constant > 0 {
             text += &format!("{constant} combinations of moments do not vary\n");
         }
-        text += &super::lines_of(&found.warnings);
+        text += &lines_of(&found.warnings);
         let seconds = begun.elapsed().as_secs_f64();
         text += &format!("{seconds:.2} s\n");
         let parameter = |k: usize| {
@@ -173,20 +168,21 @@ impl Verb for Fit {
                 "monte_carlo": found.monte_carlo[k], "bias_bound": found.bias_bound[k],
             })
         };
-        let moment = |(i, one): (usize, &::fit::Moment)| {
+        let moment = |i: usize| {
+            let Moment { time, of, statistic, value } = data.moments[i];
             json!({
-                "time": one.time, "observable": names[one.of], "statistic": word(one.statistic),
-                "value": one.value, "error": data.error(i),
+                "time": time, "observable": names[of], "statistic": word(statistic),
+                "value": value, "error": data.error(i),
                 "fitted": found.moments[i], "half_width": found.bands[i],
             })
         };
         let json = json!({
             "scheme": scheme, "because": because,
-            "parameters": (0..start.len()).map(parameter).collect::<Vec<_>>(),
+            "parameters": (0..start.len()).map(parameter).collect::<Value>(),
             "covariance": found.covariance, "chi_square": chi, "degrees": degrees,
             "probability": found.probability, "paths": paths, "steps": steps,
             "evaluations": found.evaluations, "reached": found.is_good(), "seconds": seconds,
-            "moments": data.moments.iter().enumerate().map(moment).collect::<Vec<_>>(),
+            "moments": (0..data.moments.len()).map(moment).collect::<Value>(),
         });
         let mut figures = curves(&names, &data, &found);
         for j in 0..start.len() {
@@ -202,40 +198,42 @@ type Kept = (Vec<f64>, Effort, Vec<Replicate>);
 
 impl Fit {
     fn source(&self) -> Done<Source> {
-        let (name, text) = match &self.table {
-            Some(text) => ("data".into(), Ok(text.clone())),
-            None => (self.data.display().to_string(), fs::read_to_string(&self.data)),
-        };
-        let text =
-            text.map_err(|error| Failure::Usage(format!("cannot read the data {name}: {error}")))?;
-        Ok(Source::new(name, text))
+        self.table
+            .as_ref()
+            .map_or_else(|| source("data", &self.data), |text| Ok(Source::new("data", text)))
     }
 
     /// The parameters with the values of the scene.
     fn start(&self, scene: &Scene) -> Done<Vec<(String, f64)>> {
         let names = if self.parameters.is_empty() { &scene.fitted } else { &self.parameters };
-        let all: Vec<&str> = scene.parameters.iter().map(|(name, _)| &**name).collect();
-        let wrong = |words: String| -> Failure { scene.source.error(None, words).into() };
-        if names.is_empty() {
-            let words =
-                format!("nothing is fitted: name parameters by --of; there are {}", all.join(", "));
-            return Err(wrong(words));
-        }
-        let one = |name: &String| {
-            let found = scene.parameters.iter().find(|known| known.0 == *name);
-            found.cloned().ok_or_else(|| {
-                wrong(format!("no parameter `{name}` to fit; there are {}", all.join(", ")))
-            })
+        let wrong = |what: &str| {
+            let all: Vec<&str> = scene.parameters.iter().map(|(name, _)| &**name).collect();
+            refused(scene, format!("{what}; there are {}", all.join(", ")))
         };
-        names.iter().map(one).collect()
+        if names.is_empty() {
+            return Err(wrong("nothing is fitted: name parameters by --of"));
+        }
+        names
+            .iter()
+            .map(|name| {
+                scene
+                    .parameters
+                    .iter()
+                    .find(|known| known.0 == *name)
+                    .cloned()
+                    .ok_or_else(|| wrong(&format!("no parameter `{name}` to fit")))
+            })
+            .collect()
     }
 }
 
 /// The scheme: unless one is named, that of weak order two, if the system has flows of parts.
 fn chosen(scene: &Scene) -> Settled {
-    let is_auto = scene.settings.scheme == AUTO && scene.model.scheme(BuiltIn::Nv).is_ok();
-    let because = "parts have flows, and its weak order is 2";
-    if is_auto { (BuiltIn::Nv.id().into(), Some(because.into())) } else { scheme(scene) }
+    if scene.settings.scheme == AUTO && scene.model.scheme(BuiltIn::Nv).is_ok() {
+        (BuiltIn::Nv.id().into(), Some("parts have flows, and its weak order is 2".into()))
+    } else {
+        scheme(scene)
+    }
 }
 
 /// A statistic as data name it.
@@ -248,7 +246,7 @@ fn word(statistic: Statistic) -> String {
 }
 
 /// Measured moments and those of the fit in time.
-fn curves(names: &[String], data: &::fit::Data, found: &::fit::Fit) -> Vec<Figure> {
+fn curves(names: &[String], data: &Data, found: &::fit::Fit) -> Vec<Figure> {
     let mut all: Vec<(String, Vec<usize>)> = Vec::new();
     for (i, moment) in data.moments.iter().enumerate() {
         let name = format!("{} {}", names[moment.of], word(moment.statistic));
@@ -260,17 +258,23 @@ fn curves(names: &[String], data: &::fit::Data, found: &::fit::Fit) -> Vec<Figur
     let figure = |(name, mut places): (String, Vec<usize>)| {
         places.sort_by(|&i, &j| data.moments[i].time.total_cmp(&data.moments[j].time));
         let of = |x: &dyn Fn(usize) -> f64| places.iter().map(|&i| x(i)).collect::<Vec<_>>();
-        let ends = [-1.0, 1.0].map(|s| of(&|i| found.moments[i] + s * found.bands[i]));
-        let (x, mean) = (of(&|i| data.moments[i].time), of(&|i| found.moments[i]));
-        let law = Law { x, mean, interval: ends, ..Law::default() };
-        let bar = |&i: &usize| -> Sampled {
+        let law = Law {
+            x: of(&|i| data.moments[i].time),
+            mean: of(&|i| found.moments[i]),
+            interval: [-1.0, 1.0].map(|s| of(&|i| found.moments[i] + s * found.bands[i])),
+            ..Law::default()
+        };
+        let bars = places.iter().map(|&i| -> Sampled {
             let (at, error) = (&data.moments[i], 1.96 * data.error(i));
             (at.time, at.value, Some((at.value - error, at.value + error)))
-        };
-        let bars: Vec<Sampled> = places.iter().map(bar).collect();
-        let svg = fitted(&name, "time t", &name, &law, &bars);
-        let caption = format!("{name}: data with 95 % intervals, and the fit with its band.");
-        Figure::of("fit", &name, svg, caption)
+        });
+        let svg = fitted(&name, "time t", &name, &law, &bars.collect::<Vec<_>>());
+        Figure::of(
+            "fit",
+            &name,
+            svg,
+            format!("{name}: data with 95 % intervals, and the fit with its band."),
+        )
     };
     all.into_iter().map(figure).collect()
 }
@@ -282,18 +286,24 @@ fn contours(found: &::fit::Fit, [j, k]: [usize; 2]) -> Figure {
     let first = entry(j, j).sqrt();
     let [across, own] = [entry(j, k) / first, entry(k, k)];
     let own = (own - across * across).max(0.0).sqrt();
-    let contour = |(name, square): (&str, f64)| {
-        let point = |n: u32| {
-            let angle = std::f64::consts::TAU * f64::from(n) / 96.0;
-            let (a, b) = (square.sqrt() * cos(angle), square.sqrt() * sin(angle));
-            (found.values[j] + first * a, found.values[k] + across * a + own * b)
-        };
-        Trace { name: name.into(), points: (0..=96).map(point).collect() }
+    let contour = |(name, square): (&str, f64)| Trace {
+        name: name.into(),
+        points: (0..=96)
+            .map(|n| {
+                let angle = std::f64::consts::TAU * f64::from(n) / 96.0;
+                let (a, b) = (square.sqrt() * cos(angle), square.sqrt() * sin(angle));
+                (found.values[j] + first * a, found.values[k] + across * a + own * b)
+            })
+            .collect(),
     };
     // −2 ln(1 − p) for two degrees of freedom.
     let traces: Vec<Trace> = [("68 %", 2.279), ("95 %", 5.991)].map(contour).into();
     let (x, y) = (&*found.names[j], &*found.names[k]);
     let name = format!("{x} {y}");
-    let caption = format!("{y} against {x}: contours of χ² by the covariance.");
-    Figure::of("contours", &name, lines(&name, x, y, &traces), caption)
+    Figure::of(
+        "contours",
+        &name,
+        lines(&name, x, y, &traces),
+        format!("{y} against {x}: contours of χ² by the covariance."),
+    )
 }

@@ -5,17 +5,11 @@ use casimir::{
         InspectSettings,
         facts::{Bath, Growth, Span, growth, span},
     },
-    schemes::BuiltIn,
     stats::Warning,
 };
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
-
-use super::{Found, Store, Stores, Verb, Watch};
-use crate::failure::Done;
-use scenes::{Changes, Scene, SchemeAndSeed, Set, digits, model::with_names};
+use crate::prelude::*;
+use scenes::{Set, digits, model::with_names};
 
 /// Inspects the system of a scene, whose scheme is not asked for.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -34,31 +28,42 @@ impl Verb for Inspect {
     const WRITES: bool = false;
 
     fn changes(&self) -> Changes {
-        let scheme = SchemeAndSeed { sets: self.sets.clone(), ..SchemeAndSeed::default() };
-        Changes { scheme, ..Changes::default() }
+        Changes {
+            scheme: SchemeAndSeed { sets: self.sets.clone(), ..SchemeAndSeed::default() },
+            ..Changes::default()
+        }
     }
 
-    fn compute(&self, scene: &Scene, _: &Store, watch: &Watch) -> Done<Found> {
+    fn compute(&self, scene: &Scene, _: &Store<'_>, watch: &Watch) -> Done<Found> {
         let model = &scene.model;
         let (problem, system) = (model.problem(), model.system());
         let (known, bath, findings) = watch.under("looking at points", 0, |_| {
-            let settings = InspectSettings {
-                run: Some(model.recommended()),
-                y0: Some(problem.y0.clone()),
-                damping: Some((problem.damping, problem.t_end)),
-                friction: model.friction(),
-                areas: system.description().jacobi_holds,
-            };
-            (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
+            (
+                model.known(),
+                model.bath(),
+                casimir::inspect::inspect(
+                    system,
+                    &InspectSettings {
+                        run: Some(model.recommended()),
+                        y0: Some(problem.y0.clone()),
+                        damping: Some((problem.damping, problem.t_end)),
+                        friction: model.friction(),
+                        areas: system.description().jacobi_holds,
+                    },
+                ),
+            )
         });
-        let mut findings = findings.map_err(|error| scene.source.error(None, error))?;
+        let mut findings = findings.map_err(|error| refused(scene, error))?;
         // Those of schemes that run on the system.
-        let runs = |id| BuiltIn::ALL.into_iter().any(|s| s.id() == id && model.scheme(s).is_ok());
+        let runs = |id| BuiltIn::named(id).is_some_and(|scheme| model.scheme(scheme).is_ok());
         findings.orders.retain(|order| runs(order.scheme));
-        let law = bath.as_ref().map_or(String::new(), words);
-        let beta = bath.as_ref().and_then(|bath| bath.beta);
-        let further = beta.map(|beta| further(scene, beta, findings.bound.is_some()));
-        let text = format!("{findings}\n{law}{}", further.unwrap_or_default());
+        let mut text = format!("{findings}\n");
+        if let Some(bath) = &bath {
+            text += &words(bath);
+            if let Some(beta) = bath.beta {
+                text += &further(scene, beta, findings.bound.is_some());
+            }
+        }
         let text = with_names(&text, &scene.components);
         let (parts, plain) = (system.description().parts.as_ref(), system.description().plain);
         let flows = parts.map_or(&[][..], |parts| &parts.words);
@@ -75,8 +80,10 @@ impl Verb for Inspect {
         json["bath"] = json!(bath);
         json["flows"] = json!(flows);
         if let (true, Some(of_plain)) = (plain, json.as_object_mut()) {
-            let of_others = ["structure", "hamiltonians", "bath", "flows", "theorems", "has_flows"];
-            of_plain.retain(|key, _| !of_others.contains(&&**key));
+            of_plain.retain(|key, _| {
+                !["structure", "hamiltonians", "bath", "flows", "theorems", "has_flows"]
+                    .contains(&&**key)
+            });
         }
         Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
     }
@@ -111,12 +118,13 @@ fn further(scene: &Scene, beta: f64, compact: bool) -> String {
         let never: Vec<&str> = never.into_iter().map(name).collect();
         let which =
             if never.is_empty() { String::new() } else { format!(", not {}", never.join(", ")) };
-        match reached == leaf {
-            true => format!("\n  - its noises reach all {leaf} directions of a leaf"),
-            false => format!(
+        if reached == leaf {
+            format!("\n  - its noises reach all {leaf} directions of a leaf")
+        } else {
+            format!(
                 "\n  - its noises reach {reached} of {leaf} directions of a leaf{which}: averages \
                  depend on where chains begin"
-            ),
+            )
         }
     });
     format!("\n  - {integral}{}", reach.unwrap_or_default())

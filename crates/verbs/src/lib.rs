@@ -43,18 +43,17 @@ mod referee;
 mod slopes;
 mod stationary;
 
-use std::{path::Path, sync::Arc};
+use std::{fmt::Display, fs, path::Path, sync::Arc};
 
 use casimir::{
     mc::{
-        Checkpoint, files,
+        Checkpoint, Observe, files,
         parts::{Job, JobError, Program, Share, remove},
     },
     stats::Warning,
 };
-use schemars::{JsonSchema, Schema, schema_for};
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::{Value, json};
+use schemars::{Schema, schema_for};
+use serde::de::DeserializeOwned;
 
 pub use compare::Compare;
 pub use expect::Expect;
@@ -68,11 +67,27 @@ pub use runs::{
 };
 pub use stationary::{Equilibrium, Lyapunov};
 
-use crate::{
-    failure::{Done, Failure},
-    output::{Figure, distinct},
-};
-use scenes::{Changes, Scene};
+use crate::{failure::refuse, output::distinct, prelude::*};
+use scenes::Source;
+
+/// What every verb takes.
+mod prelude {
+    pub use std::time::Instant;
+
+    pub use casimir::schemes::BuiltIn;
+    pub use schemars::JsonSchema;
+    pub use serde::{Deserialize, Serialize};
+    pub use serde_json::{Value, json};
+
+    pub(crate) use crate::{
+        Found, Store, Stores, Verb, Watch, coarsest_steps,
+        failure::{Done, Failure},
+        observed,
+        output::Figure,
+        refused, scheme,
+    };
+    pub use scenes::{AUTO, Changes, Count, Observable, Scene, SchemeAndSeed};
+}
 
 /// A verb, what is computed of one scene, with its options.
 pub trait Verb: DeserializeOwned + JsonSchema {
@@ -96,7 +111,7 @@ pub trait Verb: DeserializeOwned + JsonSchema {
     /// # Errors
     /// [`Failure`]: the scene or an option is wrong, the work failed, or was stopped before there
     /// was a result.
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found>;
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found>;
 }
 
 /// Unfinished work that a verb stores.
@@ -111,23 +126,22 @@ pub enum Stores {
 }
 
 /// Where unfinished work is stored.
-#[derive(Default)]
-pub enum Store {
+#[derive(Clone, Copy)]
+pub enum Store<'a> {
     /// Nowhere.
-    #[default]
     Nothing,
     /// With a job, for [`Stores::Measurements`].
-    Measurements(Arc<Job>),
+    Measurements(&'a Arc<Job>),
     /// In a file, for [`Stores::Samples`].
-    Samples(Checkpoint),
+    Samples(&'a Checkpoint),
 }
 
-impl Store {
-    fn job(&self) -> Option<&Arc<Job>> {
+impl<'a> Store<'a> {
+    fn job(self) -> Option<&'a Arc<Job>> {
         if let Self::Measurements(job) = self { Some(job) } else { None }
     }
 
-    fn samples(&self) -> Option<&Checkpoint> {
+    fn samples(self) -> Option<&'a Checkpoint> {
         if let Self::Samples(samples) = self { Some(samples) } else { None }
     }
 }
@@ -164,7 +178,7 @@ macro_rules! verbs {
                     let verb = serde_json::from_str::<$verb>(options).map_err(wrong)?;
                     stored(&verb, scene, folder, watch)
                 })+
-                _ => Err(Failure::Usage(format!("no verb `{verb}`"))),
+                _ => refuse(format!("no verb `{verb}`")),
             }
         }
 
@@ -198,16 +212,15 @@ fn stored<V: Verb>(verb: &V, scene: &Scene, folder: Option<&Path>, watch: &Watch
         files::prepare(folder)?;
         let samples = Checkpoint::new(folder.join(file), program);
         samples.holds()?;
-        return verb.compute(scene, &Store::Samples(samples), watch);
+        return verb.compute(scene, &Store::Samples(&samples), watch);
     }
-    let job = Job::part(folder, Share::WHOLE, program)?.stopped_by(&watch.stop);
-    let store = Store::Measurements(Arc::new(job.giving_what_is_done()));
-    let found = verb.compute(scene, &store, watch);
-    if let Store::Measurements(job) = store {
-        match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
-            Ok(()) | Err(JobError::Stopped) => {}
-            Err(error) => return Err(error.into()),
-        }
+    let job = Arc::new(
+        Job::part(folder, Share::WHOLE, program)?.stopped_by(&watch.stop).giving_what_is_done(),
+    );
+    let found = verb.compute(scene, &Store::Measurements(&job), watch);
+    match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
+        Ok(()) | Err(JobError::Stopped) => {}
+        Err(error) => return Err(error.into()),
     }
     if found.is_ok() {
         remove(folder, Share::WHOLE)?;
@@ -264,6 +277,28 @@ impl Found {
     }
 }
 
+/// The text of a file, which is `what` in words.
+///
+/// # Errors
+/// [`Failure::Usage`] if it cannot be read.
+pub fn source(what: &str, file: &Path) -> Done<Source> {
+    let name = file.display().to_string();
+    match fs::read_to_string(file) {
+        Ok(text) => Ok(Source::new(name, text)),
+        Err(error) => refuse(format!("cannot read the {what} {name}: {error}")),
+    }
+}
+
+/// An error about a scene as a whole.
+fn refused(scene: &Scene, message: impl Display) -> Failure {
+    scene.source.error(None, message).into()
+}
+
+/// Observables, for what computes with them.
+fn observed<'a>(all: impl IntoIterator<Item = &'a Observable>) -> Vec<&'a dyn Observe> {
+    all.into_iter().map(|phi| phi as _).collect()
+}
+
 /// An estimate for programs with its interval.
 fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f64) -> Value {
     let mut json = json!(estimate);
@@ -276,6 +311,5 @@ fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f6
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
 /// what is measured.
 fn coarsest_steps(until: f64) -> u64 {
-    let most = f64::from(1u32 << 24);
-    ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
+    ((8.0 * until).ceil().clamp(4.0, f64::from(1u32 << 24)) as u64).next_power_of_two()
 }

@@ -1,19 +1,12 @@
 //! How fast the errors of a scheme fall.
 
-use std::time::Instant;
-
 use casimir::{
     analysis::{self, StepSizes, strong_order, weak_order},
     mc::Setup,
     plot::{Kind, Series, figure::convergence},
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
-use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme};
-use crate::{failure::Done, output::Figure};
-use scenes::{Changes, Count, Observable, Scene, SchemeAndSeed};
+use crate::prelude::*;
 
 /// The strong and the weak order of the scheme of a scene.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -47,15 +40,17 @@ impl Verb for Order {
         format!("path steps = {}\n", self.path_steps.0)
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
         let (start, job) = (Instant::now(), store.job());
         let (scheme, because) = scheme(scene);
         let settings = &scene.settings;
         let measured = scene.setup(&scheme)?;
-        let sizes =
-            StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
-                .within(self.path_steps.0);
-        let sizes = StepSizes { stop: watch.stop.clone(), job: job.cloned(), ..sizes };
+        let coarsest = coarsest_steps(settings.until);
+        let sizes = StepSizes {
+            stop: watch.stop.clone(),
+            job: job.cloned(),
+            ..StepSizes::new(coarsest, settings.truncation, settings.key).within(self.path_steps.0)
+        };
         // The strong order, or a weak one.
         let order = |setup: &Setup<'_>, phi: Option<&Observable>| -> Done<Measured> {
             let (kind, quantity) = match phi {
@@ -75,10 +70,8 @@ impl Verb for Order {
         };
         let (_, strong) = order(&measured, None)?;
         let measured = scene.collecting(measured);
-        let weak = scene
-            .tested()
-            .map(|phi| order(&measured, Some(phi)))
-            .collect::<Done<Vec<Measured>>>()?;
+        let weak = scene.tested().map(|phi| order(&measured, Some(phi)));
+        let weak = weak.collect::<Done<Vec<Measured>>>()?;
         let seconds = start.elapsed().as_secs_f64();
         let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
         let mut text = format!("{scheme}{reason}, {seconds:.1} s\nstrong, y(T): {strong}\n");
@@ -107,8 +100,11 @@ pub fn figures(scheme: &str, strong: &analysis::Order, weak: &[Measured]) -> Vec
         ..Series::default()
     };
     let drawn = |file: &str, title, kind, series: &[Series]| {
-        let caption = format!("{title} against the step, 95 % intervals.");
-        Figure::new(file, convergence(title, kind, series), caption)
+        Figure::new(
+            file,
+            convergence(title, kind, series),
+            format!("{title} against the step, 95 % intervals."),
+        )
     };
     let weak: Vec<Series> = weak.iter().map(|(quantity, order)| series(quantity, order)).collect();
     vec![

@@ -1,17 +1,13 @@
 //! Referee for the orders of solvers of others.
 
+use crate::{
+    order::{described, figures},
+    prelude::*,
+};
 use casimir::{
     analysis::{Claims, LevelNoise, Referee, SolverStates, StepSizes},
-    mc::{Observe, demand},
+    mc::demand,
 };
-use serde_json::json;
-
-use super::{
-    Found, coarsest_steps,
-    order::{described, figures},
-};
-use crate::failure::Done;
-use scenes::Scene;
 
 /// Settings for the measurement of a solver.
 #[derive(Clone, Copy, Debug)]
@@ -30,15 +26,23 @@ const REFINEMENT: u32 = 3;
 /// The referee of a scene.
 fn referee(scene: &Scene, measure: Measure) -> Done<Referee<'_>> {
     let settings = &scene.settings;
-    let areas = !scene.model.system().description().noises_commute;
-    let scheme = if areas && scene.setup("sexp-levy").is_ok() { "sexp-levy" } else { "sexp" };
-    let steps = measure.steps.unwrap_or_else(|| coarsest_steps(settings.until));
-    let sizes = StepSizes::new(steps, settings.truncation, settings.key);
-    let (levels, samples) = (measure.levels, measure.paths);
+    let scheme =
+        if !scene.model.system().description().noises_commute && scene.setup("sexp-levy").is_ok() {
+            "sexp-levy"
+        } else {
+            "sexp"
+        };
+    let Measure { steps, levels, paths: samples } = measure;
+    let steps = steps.unwrap_or_else(|| coarsest_steps(settings.until));
     // Those of the solver and of the reference, and what is made of them.
     let states = 16.0 * scene.components.len() as f64 * (levels + 4) as f64;
     demand(format!("the states of {samples} paths"), states * samples as f64)?;
-    let sizes = StepSizes { levels, samples, refinement: REFINEMENT, ..sizes };
+    let sizes = StepSizes {
+        levels,
+        samples,
+        refinement: REFINEMENT,
+        ..StepSizes::new(steps, settings.truncation, settings.key)
+    };
     Ok(Referee { setup: scene.setup(scheme)?, sizes })
 }
 
@@ -56,11 +60,15 @@ pub fn solver_noise(
     let referee = referee(scene, measure)?;
     let (m, coarsest) = (scene.problem().noises as f64, referee.sizes.coarsest_steps as f64);
     let steps = coarsest * 2f64.powi(measure.levels as i32);
-    let what = format!("the noise of {paths} paths at {} step sizes", measure.levels);
-    demand(what, 8.0 * steps * (2.0 + m) * m * paths as f64)?;
+    demand(
+        format!("the noise of {paths} paths at {} step sizes", measure.levels),
+        8.0 * steps * (2.0 + m) * m * paths as f64,
+    )?;
     let wrong = |error| scene.steps_error(error);
-    let noise = referee.noise(first, paths).map_err(wrong)?;
-    Ok((noise, referee.reference(first, paths).map_err(wrong)?))
+    Ok((
+        referee.noise(first, paths).map_err(wrong)?,
+        referee.reference(first, paths).map_err(wrong)?,
+    ))
 }
 
 /// The sizes of single steps, each with the noise of one and of two half steps.
@@ -69,8 +77,7 @@ pub fn solver_noise(
 /// Errors of the reference.
 pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoise; 2])>> {
     let referee = referee(scene, measure)?;
-    let taus = referee.single_taus().into_iter();
-    Ok(taus.map(|tau| (tau, referee.single_noise(tau))).collect())
+    Ok(referee.single_taus().into_iter().map(|tau| (tau, referee.single_noise(tau))).collect())
 }
 
 /// Judges what is claimed of a solver by its states.
@@ -83,8 +90,7 @@ pub fn judge(
     states: &SolverStates,
     claims: &Claims,
 ) -> Done<Found> {
-    let observables: Vec<&dyn Observe> = scene.tested().map(|phi| phi as _).collect();
-    let found = referee(scene, measure)?.judge(&observables, states);
+    let found = referee(scene, measure)?.judge(&observed(scene.tested()), states);
     let verdicts = claims.judge(&found);
     let figures = figures("solver", &found.strong, &found.weak);
     let mut json = json!(found);

@@ -7,20 +7,28 @@ use casimir::{
     systems::run_time::{Op, Weights},
 };
 
-use crate::failure::{Done, Failure};
-use scenes::{Changed, Nearby, Observable, Scene};
+use crate::prelude::*;
+use scenes::{Changed, Nearby};
 
 /// Change of a parameter over its size.
 const CHANGE: f64 = 1e-6;
 
+/// Changes of the parameters of derivatives by this part of their sizes.
+pub fn changes(scene: &Scene, part: f64) -> Done<Vec<f64>> {
+    Ok(scene
+        .nearby(&vec![part; scene.gradient.len()])?
+        .changed
+        .iter()
+        .map(|one| match (one.value - one.offset).abs() {
+            0.0 => part,
+            size => part * size,
+        })
+        .collect())
+}
+
 /// Scenes near one, with parameters changed by 10⁻⁶ of them.
 pub fn nearby(scene: &Scene) -> Done<Nearby> {
-    let none = vec![CHANGE; scene.gradient.len()];
-    let changed = scene.nearby(&none)?.changed;
-    let sizes = changed.iter().map(|changed| (changed.value - changed.offset).abs());
-    let changes: Vec<f64> =
-        sizes.map(|size| if size > 0.0 { CHANGE * size } else { CHANGE }).collect();
-    Ok(scene.nearby(&changes)?)
+    Ok(scene.nearby(&changes(scene, CHANGE)?)?)
 }
 
 /// The parameters by which averages are differentiated; `averaged` gives the test functions of a
@@ -33,37 +41,43 @@ pub fn slopes<'a>(
     Nearby { scene, changed }: &'a Nearby,
     averaged: fn(&Scene) -> Vec<&Observable>,
 ) -> Done<Vec<Slope<'a>>> {
-    let slope = |changed: &'a Changed| {
-        let Changed { parameter, change, is_observed, scene: near, .. } = changed;
-        let refused = |why: &str| -> Failure {
-            let words = format!("no derivative of averages by `{parameter}`: {why}");
-            scene.source.error(None, words).into()
-        };
-        let rough = averaged(scene)
-            .into_iter()
-            .find(|phi| !phi.quantity.is_continuous())
-            .filter(|_| *is_observed);
-        if let Some(phi) = rough {
-            return Err(refused(&format!("it is in what is observed, and {} jumps", phi.name)));
-        }
-        if scene.problem().y0 != near.problem().y0 {
-            return Err(refused("it changes the initial value, and with it the leaf"));
-        }
-        if structure(scene) != structure(near) {
-            return Err(refused("it changes B, and with it the leaves"));
-        }
-        let beta = |scene: &Scene| scene.model.gibbs().map_err(|why| refused(&why));
-        let [own, other] = [beta(scene)? / change, beta(near)? / change];
-        let energies = scene.energy.as_ref().zip(near.energy.as_ref());
-        let (energy, nearby) = energies.ok_or_else(|| refused("H0 depends on time"))?;
-        let pairs = averaged(scene).into_iter().zip(averaged(near));
-        let of = pairs.map(|(own, near)| {
-            Box::new(Change { near: (near, 1.0 / change), own: (own, 1.0 / change) }) as _
-        });
-        let weight = Box::new(Change { near: (nearby, other), own: (energy, own) });
-        Ok(Slope { parameter: parameter.clone(), weight, of: of.collect() })
-    };
-    changed.iter().map(slope).collect()
+    changed
+        .iter()
+        .map(|changed| {
+            let Changed { parameter, change, is_observed, scene: near, .. } = changed;
+            let refused = |why: &str| {
+                refused(scene, format!("no derivative of averages by `{parameter}`: {why}"))
+            };
+            if let Some(phi) = averaged(scene)
+                .into_iter()
+                .find(|phi| !phi.quantity.is_continuous())
+                .filter(|_| *is_observed)
+            {
+                return Err(refused(&format!("it is in what is observed, and {} jumps", phi.name)));
+            }
+            if scene.problem().y0 != near.problem().y0 {
+                return Err(refused("it changes the initial value, and with it the leaf"));
+            }
+            if structure(scene) != structure(near) {
+                return Err(refused("it changes B, and with it the leaves"));
+            }
+            let beta = |scene: &Scene| scene.model.gibbs().map_err(|why| refused(&why));
+            let [own, other] = [beta(scene)? / change, beta(near)? / change];
+            let (energy, nearby) = scene
+                .energy
+                .as_ref()
+                .zip(near.energy.as_ref())
+                .ok_or_else(|| refused("H0 depends on time"))?;
+            let of = averaged(scene).into_iter().zip(averaged(near)).map(|(own, near)| {
+                Box::new(Change { near: (near, 1.0 / change), own: (own, 1.0 / change) }) as _
+            });
+            Ok(Slope {
+                parameter: parameter.clone(),
+                weight: Box::new(Change { near: (nearby, other), own: (energy, own) }),
+                of: of.collect(),
+            })
+        })
+        .collect()
 }
 
 /// B(y)v for general v at general y.

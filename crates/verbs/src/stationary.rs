@@ -1,25 +1,18 @@
 //! Averages over the stationary law, and Lyapunov exponents.
 
-use std::time::Instant;
-
 use casimir::{
     inspect::facts::{gibbs_marginal, is_divergence_free},
-    mc::{Friction, Observe, RunError},
+    mc::{Friction, RunError},
     plot::figure::{Trace, lines},
-    schemes::BuiltIn,
     stationary::{self, Averages, EquilibriumSettings, StationaryMean},
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
 
-use super::{Found, Store, Stores, Verb, Watch, scheme, with_interval};
 use crate::{
-    failure::{Done, Failure},
-    output::Figure,
+    prelude::*,
     slopes::{nearby, slopes},
+    with_interval,
 };
-use scenes::{AUTO, Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, refuse};
+use scenes::{Read, digits, refuse};
 
 /// Averages over the stationary law with 95 % intervals that include the step error:
 /// `equilibrium(of=["q^2"], accuracy=1e-3)`. Autocorrelation times, burn-in and histograms are in
@@ -132,7 +125,7 @@ impl Verb for Equilibrium {
         self.chains.meaning(0)
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
         average(scene, None, scene.accuracy, (&self.chains, store, watch))
     }
 }
@@ -149,9 +142,13 @@ impl Verb for Lyapunov {
         self.chains.meaning(self.count.0)
     }
 
-    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
-        let count = Some(self.count.0 as usize);
-        average(scene, count, Some(self.accuracy), (&self.chains, store, watch))
+    fn compute(&self, scene: &Scene, store: &Store<'_>, watch: &Watch) -> Done<Found> {
+        average(
+            scene,
+            Some(self.count.0 as usize),
+            Some(self.accuracy),
+            (&self.chains, store, watch),
+        )
     }
 }
 
@@ -160,7 +157,7 @@ fn average(
     scene: &Scene,
     exponents: Option<usize>,
     wanted: Option<f64>,
-    (chains, store, watch): (&Chains, &Store, &Watch),
+    (chains, store, watch): (&Chains, &Store<'_>, &Watch),
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
     let accuracy = wanted.unwrap_or(f64::MAX);
@@ -168,36 +165,34 @@ fn average(
     let scene = nearby.as_ref().map_or(scene, |nearby| &nearby.scene);
     scene.source.located(check(scene, exponents.is_none()))?;
     let ((mut scheme, mut because), start) = (scheme(scene), Instant::now());
-    let named = scene.settings.scheme != AUTO;
+    let (model, run) = (&scene.model, &scene.settings);
+    let auto = run.scheme == AUTO;
     // Unless a scheme is named, averages are exact where they can be.
-    let may_be_exact = exponents.is_none() && !named;
-    let exact = may_be_exact.then(|| scene.model.metropolis());
-    let (exact, inexact) = match exact {
-        Some(Ok(sampler)) => (Some(sampler), None),
-        Some(Err(reason)) => (None, Some(reason)),
-        None => (None, None),
-    };
-    let is_langevin = !scene.model.friction().is_empty();
-    if exact.is_none() && !named && is_langevin && scene.model.scheme(BuiltIn::Baoab).is_ok() {
+    let exact = (auto && exponents.is_none()).then(|| model.metropolis()).transpose();
+    let (exact, inexact) = exact.map_or_else(|reason| (None, Some(reason)), |exact| (exact, None));
+    if exact.is_none()
+        && auto
+        && !model.friction().is_empty()
+        && model.scheme(BuiltIn::Baoab).is_ok()
+    {
         scheme = BuiltIn::Baoab.id().into();
         because = Some("friction and noise are one exact step, and its weak order is 2".into());
     }
     // Averages need steps that resolve the fastest motion, whatever paths are stored at.
-    let resolving = 4.0 * scene.model.fastest() * scene.settings.until;
+    let resolving = 4.0 * model.fastest() * run.until;
     let steps = match chains.steps {
-        None if resolving > 0.0 => scene.settings.steps.min(resolving.ceil() as u64),
-        _ => scene.settings.steps,
+        None if resolving > 0.0 => run.steps.min(resolving.ceil() as u64),
+        _ => run.steps,
     };
     let settings = EquilibriumSettings {
-        key: scene.settings.key,
-        truncation: scene.settings.truncation,
+        key: run.key,
+        truncation: run.truncation,
         weak_order: BuiltIn::named(&scheme).map_or(1.0, |scheme| scheme.properties().weak),
         chains: chains.chains.0,
         max_cost: chains.path_steps.0,
         stop: watch.stop.clone(),
         ..EquilibriumSettings::new(steps)
     };
-    let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
     let setup = scene.setup(&scheme)?;
     let mut equilibrium = match exact {
         Some(sampler) => {
@@ -207,11 +202,12 @@ fn average(
         None => stationary::Equilibrium::new(setup, settings),
     };
     // That of exact averages is known by now.
-    let beta = equilibrium.beta.or_else(|| scene.model.bath()?.beta);
+    let beta = equilibrium.beta.or_else(|| model.bath()?.beta);
     let kt = beta.map(|beta| 1.0 / beta);
     equilibrium.components.clone_from(&scene.components);
-    (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
-    let phi: Vec<&dyn Observe> = averaged(scene).into_iter().map(|phi| phi as _).collect();
+    equilibrium.watched = observed(&scene.energy);
+    equilibrium.checkpoint = store.samples();
+    let phi = observed(averaged(scene));
     if let Some(nearby) = &nearby {
         equilibrium.slopes = slopes(nearby, averaged)?;
     }
@@ -226,7 +222,7 @@ fn average(
         .map_err(|error| match error {
             RunError::Stopped => Failure::Stopped("before the first averages".into()),
             RunError::Ladder(error) => scene.steps_error(error).into(),
-            error => scene.source.error(None, error).into(),
+            error => refused(scene, error),
         })?;
     let mut text = found.to_string();
     if let Some(because) = &because {
@@ -245,22 +241,28 @@ fn average(
     }
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
     let mean = |mean: &StationaryMean| with_interval(mean, mean.interval(), mean.half_width());
+    let all = |means: &[StationaryMean]| means.iter().map(mean).collect::<Value>();
+    let reached = found.reached();
     let mut json = json!(found);
     json["because"] = json!(because);
     json["kT"] = json!(kt);
-    json["reached"] = found.reached().into();
-    json["estimates"] = found.means.iter().map(mean).collect();
+    json["reached"] = reached.into();
+    json["estimates"] = all(&found.means);
     json["accuracy"] = json!(wanted);
-    let gradient = found.gradient.iter();
-    let gradient = gradient.map(|(name, of)| (name.clone(), of.iter().map(mean).collect()));
-    json["gradient"] = gradient.collect::<serde_json::Map<_, _>>().into();
+    json["gradient"] = found.gradient.iter().map(|(name, of)| (name.clone(), all(of))).collect();
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    let of_means = found.means.iter().filter_map(|StationaryMean { name, unknown, .. }| {
-        unknown.as_ref().map(|warning| warning.clone().about(name))
-    });
-    let warnings = of_means.chain(found.unknown.iter().cloned());
-    let reached = found.reached();
-    Ok(Found::of(scene, warnings, &text, json, figures).to(reached, wanted))
+    Ok(Found::of(
+        scene,
+        found
+            .means
+            .iter()
+            .filter_map(|mean| Some(mean.unknown.clone()?.about(&mean.name)))
+            .chain(found.unknown.iter().cloned()),
+        &text,
+        json,
+        figures,
+    )
+    .to(reached, wanted))
 }
 
 /// The functions that are averaged: unless some are named, all there are.
@@ -285,8 +287,9 @@ fn check(scene: &Scene, averages: bool) -> Read<()> {
     if model.constant_rates().is_none() {
         refuse!(None, "a damping that depends on time has no stationary law");
     }
-    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
-    if let (true, Some(Observable { name, .. })) = (averages, along) {
+    if let (true, Some(Observable { name, .. })) =
+        (averages, scene.expected.iter().find(|phi| !phi.quantity.is_of_state()))
+    {
         refuse!(
             None,
             "averages over the stationary law are of functions of the state alone: leave out \
@@ -299,21 +302,14 @@ fn check(scene: &Scene, averages: bool) -> Read<()> {
 /// The sum of all exponents beside what it must be, where fields B∇H have no divergence, so that
 /// damping alone contracts volume.
 fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
-    let (problem, system) = (scene.problem(), scene.model.system());
-    let d = scene.components.len();
-    let rates: f64 = Friction::rates(scene.model.friction(), 0.0, d).iter().sum();
-    let rate = rates + d as f64 * problem.damping.rate(0.0);
-    match found.means.last() {
-        Some(sum)
-            if count == d
-                && !system.description().has_bath
-                && is_divergence_free(system, &problem.y0) =>
-        {
-            let (own, off) = (digits(-rate), sum.mean + rate);
-            format!("volume contracts by -Σγᵢ = {own}: the sum differs by {off:.1e}\n")
-        }
-        _ => String::new(),
-    }
+    let (problem, system, d) = (scene.problem(), scene.model.system(), scene.components.len());
+    let by_damping =
+        count == d && !system.description().has_bath && is_divergence_free(system, &problem.y0);
+    let Some(sum) = found.means.last().filter(|_| by_damping) else { return String::new() };
+    let rate = Friction::rates(scene.model.friction(), 0.0, d).iter().sum::<f64>()
+        + d as f64 * problem.damping.rate(0.0);
+    let (own, off) = (digits(-rate), sum.mean + rate);
+    format!("volume contracts by -Σγᵢ = {own}: the sum differs by {off:.1e}\n")
 }
 
 /// The density of an average, beside that of e^{−H₀/kT} where this is known.
@@ -323,24 +319,25 @@ fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Figure
     let all = counts.iter().sum::<u64>() + histogram.below + histogram.above;
     let first = counts.iter().position(|&count| count > 0)?;
     let last = counts.iter().rposition(|&count| count > 0)?;
-    let middle = |k: usize| grid.edge(k as u32) + 0.5 * grid.width;
-    let x: Vec<f64> = (first..=last).map(middle).collect();
-    let density = |k: usize| counts[k] as f64 / (all as f64 * grid.width);
-    let points = x.iter().copied().zip((first..=last).map(density)).collect();
-    let mut traces = vec![Trace { name: "chains".into(), points }];
+    let x: Vec<f64> = (first..=last).map(|k| grid.edge(k as u32) + 0.5 * grid.width).collect();
+    let trace = |name: &str, density: Vec<f64>| Trace {
+        name: name.into(),
+        points: x.iter().copied().zip(density).collect(),
+    };
+    let density = |&count: &u64| count as f64 / (all as f64 * grid.width);
+    let chains = trace("chains", counts[first..=last].iter().map(density).collect());
     let place = scene.components.iter().position(|name| *name == mean.name);
     let known = kt.zip(place).and_then(|(kt, place)| {
         gibbs_marginal(scene.model.system(), &scene.problem().y0, place, 1.0 / kt, &x)
     });
-    if let Some(known) = known {
-        let points = x.iter().copied().zip(known.iter().map(|y| y / grid.width)).collect();
-        traces.push(Trace { name: "exp(-H0/kT)".into(), points });
-    }
-    let svg = lines(&mean.name, &mean.name, "density", &traces);
+    let known = known.map(|known| known.iter().map(|y| y / grid.width).collect());
+    let mut traces = vec![chains];
+    traces.extend(known.map(|known| trace("exp(-H0/kT)", known)));
+    let name = &*mean.name;
     Some(Figure::of(
         "density",
-        &mean.name,
-        svg,
-        format!("The stationary density of {}.", mean.name),
+        name,
+        lines(name, name, "density", &traces),
+        format!("The stationary density of {name}."),
     ))
 }

@@ -1,7 +1,5 @@
 //! `casimir new`, `schema`, `doctor` and `--citation`: commands without a run.
 
-use std::path::Path;
-
 use scenes::{
     Changes, Scene,
     gallery::{GALLERY, scene},
@@ -11,11 +9,10 @@ use serde_json::{Value, json};
 use verbs::{
     citation::{bibtex, used},
     doctor::{EXPECTED, facts, self_test},
-    failure::{Done, Failure},
     scheme,
 };
 
-use super::{card, print, print_json, source};
+use super::*;
 
 /// Prints a scene, or lists them.
 pub fn new(name: Option<&str>, list: bool) -> Done {
@@ -41,8 +38,9 @@ pub fn new(name: Option<&str>, list: bool) -> Done {
 pub fn schema(verb: Option<&str>) -> Done {
     let Some(verb) = verb else { return print_json(&scenes::schema()) };
     let known = verbs::NAMES.join(", ");
-    let unknown = || Failure::Usage(format!("no options of `{verb}`; there are those of {known}"));
-    print_json(&verbs::options(verb).ok_or_else(unknown)?)
+    print_json(&verbs::options(verb).ok_or_else(|| {
+        Failure::Usage(format!("no options of `{verb}`; there are those of {known}"))
+    })?)
 }
 
 /// Prints facts and what the self-test found.
@@ -64,13 +62,12 @@ pub fn doctor() -> Done {
 
 /// Prints all entries to cite, or those of a file.
 pub fn citation(file: Option<&Path>) -> Done {
-    let result = file.map(results).transpose()?;
-    print(&bibtex(result.as_ref()))
+    print(&bibtex(file.map(results).transpose()?.as_ref()))
 }
 
 /// The JSON of a file; of a scene the scheme that a run takes.
 fn results(file: &Path) -> Done<Value> {
-    let source = source(file)?;
+    let source = source("scene", file)?;
     if source.name.ends_with(".toml") {
         return Ok(json!({ "scheme": scheme(&Scene::new(source, &Changes::default())?).0 }));
     }

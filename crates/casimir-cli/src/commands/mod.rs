@@ -5,7 +5,6 @@ mod parts;
 mod scene;
 
 use std::{
-    fs,
     io::Write,
     path::{Path, PathBuf},
     process,
@@ -31,7 +30,8 @@ use signal_hook::{
 };
 use verbs::{
     Found, Progress, Watch,
-    failure::{Done, Failure},
+    failure::{Done, Failure, refuse},
+    source,
 };
 
 pub use about::{citation, doctor, new, schema};
@@ -43,7 +43,7 @@ use crate::arguments::{Machine, On};
 /// Reads the scene of a command, checks it and the folder, and limits the number of threads if
 /// asked for.
 fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<T> {
-    let source = source(&on.scene)?;
+    let source = source("scene", &on.scene)?;
     // Before large scenes are read, on all threads.
     on.threads.map_or(Ok(()), limit_threads)?;
     let read = watch().under(READING, 0, |_| read(source))?;
@@ -53,14 +53,6 @@ fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<
 
 /// Name of the work that takes long with large systems.
 const READING: &str = "reading the scene";
-
-/// The text of a scene.
-fn source(file: &Path) -> Done<Source> {
-    let name = file.display().to_string();
-    let text = fs::read_to_string(file)
-        .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
-    Ok(Source::new(name, text))
-}
 
 /// The machine of a command, once it is known.
 static DEVICE: OnceLock<Arc<dyn Device>> = OnceLock::new();
@@ -80,8 +72,7 @@ fn device(on: Machine) -> Done<Option<Arc<dyn Device>>> {
 /// The reason why there is none.
 #[cfg(feature = "gpu")]
 pub fn card() -> Result<Arc<dyn Device>, String> {
-    let card = gpu::Card::first().map_err(|error| error.to_string())?;
-    Ok(Arc::new(gpu::Gpu::new(card)))
+    Ok(Arc::new(gpu::Gpu::new(gpu::Card::first().map_err(|error| error.to_string())?)))
 }
 
 /// No graphics card.
@@ -123,8 +114,11 @@ impl Progress for Bar {
             0 => "{elapsed:>4} {spinner} {msg}",
             _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
         };
-        let style = ProgressStyle::with_template(template).expect("the template is valid");
-        self.0.set_style(style.progress_chars("=> "));
+        self.0.set_style(
+            ProgressStyle::with_template(template)
+                .expect("the template is valid")
+                .progress_chars("=> "),
+        );
         self.0.set_length(path_steps);
         self.0.reset();
         self.message(what);

@@ -1,16 +1,12 @@
 //! `casimir plan`, `part`, `merge` and `extend`: a scene on many machines.
 
-use std::{fs, path::Path, time::Duration};
+use std::fs;
 
-use casimir::mc::{
-    files,
-    parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
-};
-use scenes::{Changes, Source, Sweep};
-use serde::{Deserialize, Serialize};
+use casimir::mc::parts::{JobError, hash, merged_paths};
+use scenes::{Changes, Sweep};
+use serde::Deserialize;
 use verbs::{
-    self, Outcomes, Settled, Watch,
-    failure::{Done, Failure},
+    self, Outcomes, Settled,
     output::{
         Format,
         cluster::{JOB, Script},
@@ -18,11 +14,8 @@ use verbs::{
     program,
 };
 
-use super::{device, prepare, print, scene::write, source, stoppable, watch};
-use crate::{
-    PROGRAM,
-    arguments::{Machine, Plan},
-};
+use super::{scene::write, *};
+use crate::arguments::Plan;
 
 /// Plan of a run in parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Serialize, Deserialize)]
@@ -53,28 +46,39 @@ impl Folder {
     fn open(folder: &Path, on: Machine) -> Done<Self> {
         let file = folder.join(PLAN);
         let text = fs::read(&file).map_err(serde_json::Error::io);
-        let divided = text.and_then(|text| serde_json::from_slice::<Divided>(&text));
-        let divided = divided.map_err(|error| {
-            let file = file.display();
-            Failure::Usage(format!("{file} does not say what its parts are: {error}"))
-        })?;
-        let source = Source { device: device(on)?, ..source(&folder.join(SCENE))? };
-        let sweep = Sweep::new(&source, &divided.changes)?;
+        let divided =
+            text.and_then(|text| serde_json::from_slice::<Divided>(&text)).map_err(|error| {
+                Failure::Usage(format!(
+                    "{} does not say what its parts are: {error}",
+                    file.display()
+                ))
+            })?;
+        let sweep = Sweep::new(
+            &Source { device: device(on)?, ..source("scene", &folder.join(SCENE))? },
+            &divided.changes,
+        )?;
         let opened = Self { divided, sweep };
         if opened.divided.sum != opened.sum()? {
-            let folder = folder.display();
-            return Err(Failure::Usage(format!(
-                "{folder}: {PLAN} or {SCENE} was changed since `casimir plan`: put back what was \
-                 there, or plan in another folder"
-            )));
+            return refuse(format!(
+                "{}: {PLAN} or {SCENE} was changed since `casimir plan`: put back what was there, \
+                 or plan in another folder",
+                folder.display()
+            ));
         }
         Ok(opened)
     }
 
     /// This program and what it computes in the folder.
     fn program(&self) -> Program {
-        let schemes = self.divided.settled.iter().map(|(scheme, _)| format!("scheme = {scheme}\n"));
-        program(self.sweep.scene(), &schemes.collect::<String>())
+        program(
+            self.sweep.scene(),
+            &self
+                .divided
+                .settled
+                .iter()
+                .map(|(scheme, _)| format!("scheme = {scheme}\n"))
+                .collect::<String>(),
+        )
     }
 
     /// Hash of the whole plan.
@@ -92,26 +96,31 @@ impl Folder {
     /// Computes the runs of the folder as parts of a job; returns the results if there are some
     /// here.
     fn compute(&self, job: &Job, watch: &Watch) -> Done<Outcomes<'_>> {
-        let ready = verbs::ready(&self.sweep, self.divided.settled.clone())?;
-        verbs::compute(&self.sweep, ready, job, watch)
+        verbs::compute(
+            &self.sweep,
+            verbs::ready(&self.sweep, self.divided.settled.clone())?,
+            job,
+            watch,
+        )
     }
 }
 
-/// Writes the plan of a run in parts, and a job script.
-pub fn plan(arguments: &Plan) -> Done {
-    let Plan { scene, parts, out, cpus, sbatch: options, changes } = arguments;
-    let source = source(scene)?;
+/// Writes the plan of a run in parts, and a job script that starts `program`.
+pub fn plan(
+    Plan { scene, parts, out, cpus, sbatch: options, changes }: &Plan,
+    program: &Path,
+) -> Done {
+    let source = source("scene", scene)?;
     let sweep = Sweep::new(&source, changes)?;
     let settings = &sweep.scene().settings;
-    let refused = |words: String| Err(Failure::Usage(words));
+
     if !settings.is_study() {
-        let words = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
-        return refused(words.into());
+        return refuse("a few paths are not divided: take at least 100 `paths`, or `casimir run`");
     }
     Share::new(1, *parts)?;
     if out.join(PLAN).exists() {
         let out = out.display();
-        return refused(format!(
+        return refuse(format!(
             "{out} has parts already: take another folder, or casimir extend {out}"
         ));
     }
@@ -124,8 +133,7 @@ pub fn plan(arguments: &Plan) -> Done {
         files::write(&copy, fs::read(scene.with_file_name(states))?)?;
     }
     let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
-    let divided = Divided { parts, changes, settled, sum: String::new() };
-    let opened = Folder { divided, sweep };
+    let opened = Folder { divided: Divided { parts, changes, settled, sum: String::new() }, sweep };
     let job = Job::pilot(MEASURED);
     opened.compute(&job, &watch())?;
     let planned = job.plan()?;
@@ -135,7 +143,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let part_seconds = seconds(parts, cpus);
     // Twice as long as measured, and a minute to start.
     let minutes = 1 + (2.0 * part_seconds / 60.0).ceil() as u64;
-    let program = PROGRAM.get().map_or(Path::new("casimir"), |program| program);
+
     let script = Script { parts, program, folder: &folder, minutes, cpus, options };
     files::write(&out.join(JOB), script.slurm())?;
     // Last: a folder with a plan is complete.
@@ -168,8 +176,7 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>, on: Machine) -> Done {
         }
         finished => {
             finished?;
-            let folder = folder.display();
-            print(&format!("{share} is done; when all are: casimir merge {folder}\n"))
+            print(&format!("{share} is done; when all are: casimir merge {}\n", folder.display()))
         }
     }
 }
@@ -198,15 +205,14 @@ pub fn extend(folder: &Path, paths: u64) -> Done {
     let mut opened = Folder::open(folder, Machine::Cpu)?;
     let before = opened.sweep.scene().settings.paths;
     if paths <= before {
-        return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));
+        return refuse(format!("ask for more than {before} paths: --paths N"));
     }
     opened.divided.changes.paths = Some(paths);
     let merged = merged_paths(folder, &opened.program())?;
     let mut studies = merged.iter().filter(|(name, _)| name.ends_with("study"));
     let (parts, name) = (opened.divided.parts, folder.display());
     if merged.is_empty() || studies.any(|(_, merged)| *merged != before) {
-        let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
-        return Err(Failure::Usage(message));
+        return refuse(format!("the parts are not merged yet: casimir merge {name}, then extend"));
     }
     opened.write(folder)?;
     print(&format!(

@@ -1,27 +1,18 @@
 //! Commands on a scene: `casimir run`, and all verbs of one scene.
 
-use std::{cell::RefCell, fs, path::Path, sync::Arc};
+use std::fs;
 
 use casimir::mc::{
     Checkpoint,
-    parts::{Job, JobError, Program, Share, remove},
+    parts::{JobError, remove},
 };
 use clap::Args;
-use scenes::{Combination, Scene, Source, Sweep};
+use scenes::{Combination, Scene, Sweep};
 use verbs::{
-    self, Found, Outcomes, Store, Stores, Verb, Watch,
-    failure::{
-        Done,
-        Failure::{self, Stopped},
-    },
-    output::Format,
-    program,
+    self, Outcomes, Store, Stores, Verb, failure::Failure::Stopped, output::Format, program,
 };
 
-use super::{
-    READING, REPORT, device, folder, going_on, keeping, prepare, print, print_json, read,
-    stoppable, store, tell, watch,
-};
+use super::*;
 use crate::arguments::{Asked, Run};
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
@@ -60,9 +51,10 @@ pub fn run(Run { changes, write: formats, large, machine, on }: &Run) -> Done {
     }
     write(&results, &folder, formats, on.json)?;
     if stopped {
-        let folder = folder.display();
-        let words = format!("{folder} has what is complete; the same command {next}");
-        return Err(Stopped(words));
+        return Err(Stopped(format!(
+            "{} has what is complete; the same command {next}",
+            folder.display()
+        )));
     }
     if let Some(folder) = kept {
         remove(folder, Share::WHOLE)?;
@@ -94,10 +86,10 @@ fn check_size(sweep: &Sweep) -> Done {
     // A number takes 20 bytes.
     let gigabytes = 2e-8 * rows as f64 * columns as f64;
     if gigabytes > 1.0 {
-        return Err(Failure::Usage(format!(
+        return refuse(format!(
             "{rows} rows of {columns} columns are {gigabytes:.1} GB of text: take fewer `tables` \
              or `times`, or say --large"
-        )));
+        ));
     }
     Ok(())
 }
@@ -109,25 +101,23 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
     if V::STORES == Stores::Nothing {
         let scene = read(on, |source| Scene::new(source, &changes))?;
         let found = options.compute(&scene, &Store::Nothing, &watch())?;
-        tell(&found, on.out.as_deref(), V::NAME, on.json)?;
-        return found.unreached.map_or(Ok(()), |words| Err(Failure::Run(words)));
+        return tell(&found, on.out.as_deref(), V::NAME, on.json);
     }
     let scenes = read(on, |source| Sweep::apart(&source, &changes))?;
     let whole = folder(on, V::NAME)?;
     if let [Combination { label, scene, .. }] = &scenes[..]
         && label.is_empty()
     {
-        let to = if V::WRITES { Some(&whole) } else { on.out.as_ref() };
-        let show = |found: &Found| tell(found, to.map(|to| &**to), V::NAME, on.json);
-        return one(options, scene, &whole, &show);
+        let to = if V::WRITES { Some(&*whole) } else { on.out.as_deref() };
+        return one(options, scene, &whole, |found| tell(found, to, V::NAME, on.json));
     }
-    let (mut unreached, list) = (Vec::new(), RefCell::new(Vec::new()));
+    let (mut unreached, mut list) = (Vec::new(), Vec::new());
     for (k, Combination { label, values, scene, .. }) in scenes.iter().enumerate() {
         let folder = whole.join(format!("combination-{}", k + 1));
         if !on.json {
             print(&format!("== {label}\n"))?;
         }
-        let show = |found: &Found| {
+        let told = one(options, scene, &folder, |found| {
             if !on.json {
                 return tell(found, Some(&folder), V::NAME, false);
             }
@@ -135,60 +125,58 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
             // A fit has parameters of its own.
             let key = if json["parameters"].is_null() { "parameters" } else { "varied" };
             json[key] = values.iter().cloned().collect();
-            list.borrow_mut().push(json);
+            list.push(json);
             store(found, &folder, V::NAME).map(drop)
-        };
-        match one(options, scene, &folder, &show) {
+        });
+        match told {
             Err(Failure::Run(words)) => unreached.push(format!("{label}: {words}")),
-            done => done?,
+            told => told?,
         }
     }
     if on.json {
-        print_json(&list.into_inner())?;
+        print_json(&list)?;
     }
     if unreached.is_empty() { Ok(()) } else { Err(Failure::Run(unreached.join("\n"))) }
 }
 
-/// Computes a verb of one scene, whose unfinished work is in a folder.
-fn one<V: Verb>(options: &V, scene: &Scene, folder: &Path, tell: &dyn Fn(&Found) -> Done) -> Done {
-    let program = program(scene, &options.meaning());
-    let found = |store: &Store, watch: &Watch| options.compute(scene, store, watch);
-    let work = Work { program, found: &found, tell };
+/// Computes a verb of one scene, whose unfinished work is in a folder; `tell` prints and writes
+/// what was found.
+fn one<V: Verb>(
+    options: &V,
+    scene: &Scene,
+    folder: &Path,
+    tell: impl FnOnce(&Found) -> Done,
+) -> Done {
     match V::STORES {
-        Stores::Samples(file) => sampled(&folder.join(file), work),
-        _ => measured(folder, work),
+        Stores::Samples(file) => sampled(options, scene, &folder.join(file), tell),
+        _ => measured(options, scene, folder, tell),
     }
 }
 
-/// Work of a verb.
-struct Work<'a> {
-    /// Program and scene that stored work belongs to.
-    program: Program,
-    /// Computes.
-    found: &'a dyn Fn(&Store, &Watch) -> Done<Found>,
-    /// Prints and writes what was found.
-    tell: &'a dyn Fn(&Found) -> Done,
-}
-
-/// Does work whose measurements are stored in a folder until it is complete.
-fn measured(folder: &Path, work: Work<'_>) -> Done {
+/// Computes a verb whose measurements are stored in a folder until it is complete.
+fn measured(
+    options: &impl Verb,
+    scene: &Scene,
+    folder: &Path,
+    tell: impl FnOnce(&Found) -> Done,
+) -> Done {
     let watch = stoppable();
     let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
-    let store = Store::Measurements(Arc::new(keeping(folder, work.program, &watch)?));
-    let found = (work.found)(&store, &watch);
-    let job = if let Store::Measurements(job) = store { Arc::into_inner(job) } else { None };
-    match job.map_or(Ok(()), Job::finish) {
+    let job = Arc::new(keeping(folder, program(scene, &options.meaning()), &watch)?);
+    let found = options.compute(scene, &Store::Measurements(&job), &watch);
+    match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
         Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
-            let folder = folder.display();
-            let words = format!("{folder} has what was measured; the same command goes on");
-            return Err(Stopped(words));
+            return Err(Stopped(format!(
+                "{} has what was measured; the same command goes on",
+                folder.display()
+            )));
         }
         Err(error @ JobError::File { .. }) => eprintln!("warning: no checkpoint: {error}"),
         // Or the time is over.
         Ok(()) | Err(JobError::Stopped) => {}
         Err(error) => return Err(error.into()),
     }
-    let told = found.and_then(|found| (work.tell)(&found));
+    let told = found.and_then(|found| tell(&found));
     // With an answer, or with a wrong question, there is nothing to go on from.
     if !matches!(told, Err(Failure::Run(_) | Stopped(_))) {
         remove(folder, Share::WHOLE)?;
@@ -197,17 +185,21 @@ fn measured(folder: &Path, work: Work<'_>) -> Done {
     told
 }
 
-/// Does work whose samples are stored in a file. Whether it was stopped or its accuracy not reached
-/// is the exit code.
-fn sampled(file: &Path, work: Work<'_>) -> Done {
-    let (samples, watch) = (Checkpoint::new(file, work.program), stoppable());
+/// Computes a verb whose samples are stored in a file. Whether it was stopped or its accuracy not
+/// reached is the exit code.
+fn sampled(
+    options: &impl Verb,
+    scene: &Scene,
+    file: &Path,
+    tell: impl FnOnce(&Found) -> Done,
+) -> Done {
+    let samples = Checkpoint::new(file, program(scene, &options.meaning()));
+    let watch = stoppable();
     if samples.holds()? {
         going_on(file);
     }
-    let store = Store::Samples(samples);
-    let found = (work.found)(&store, &watch);
-    let told = found.and_then(|found| (work.tell)(&found).map(|()| found.unreached));
-    let Store::Samples(samples) = store else { return told.map(drop) };
+    let found = options.compute(scene, &Store::Samples(&samples), &watch);
+    let told = found.and_then(|found| tell(&found).map(|()| found.unreached));
     let file = file.display();
     if let Some(error) = samples.failure() {
         eprintln!("warning: the samples are not kept in {file}: {error}");

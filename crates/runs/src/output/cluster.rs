@@ -27,8 +27,8 @@ impl Script<'_> {
     /// submitted again.
     pub fn slurm(&self) -> String {
         let Self { parts, minutes, cpus, .. } = self;
-        let options = self.options.iter().map(|option| format!("#SBATCH {option}\n"));
-        let mut options = options.collect::<String>();
+        let mut options =
+            self.options.iter().map(|option| format!("#SBATCH {option}\n")).collect::<String>();
         let log = quoted(&self.folder.join("part-%a.log"));
         // Slurm itself does not read words with escapes.
         if !log.starts_with('$') {
@@ -70,12 +70,10 @@ pub const JOB: &str = "job.sh";
 
 /// A path as a word for the shell.
 fn quoted(path: &Path) -> String {
-    let bytes = path.as_os_str().as_encoded_bytes();
     let Some(word) = path.to_str().filter(|word| !word.contains(char::is_control)) else {
-        return format!("$'{}'", bytes.escape_ascii());
+        return format!("$'{}'", path.as_os_str().as_encoded_bytes().escape_ascii());
     };
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if word.chars().all(plain) {
+    if word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c)) {
         return word.into();
     }
     format!("'{}'", word.replace('\'', r"'\''"))

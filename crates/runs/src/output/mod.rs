@@ -7,7 +7,7 @@ mod page;
 mod steps;
 mod sweep;
 
-use std::path::Path;
+use std::{iter, mem, path::Path};
 
 use casimir::{
     analysis::aligned,
@@ -54,24 +54,24 @@ impl Outcomes<'_> {
     /// The results in words.
     pub fn text(&self) -> String {
         let (warnings, mut table) = (lines_of(&self.warnings()), self.table());
-        let mut more = String::new();
-        if self.single().is_none() && table.len() > 1 + MAX_LINES {
-            more = format!("{} more lines in the report\n", table.len() - 1 - MAX_LINES);
+        let more = table.len().saturating_sub(1 + MAX_LINES);
+        let mut words = String::new();
+        if self.single().is_none() && more > 0 {
+            words = format!("{more} more lines in the report\n");
             table.truncate(1 + MAX_LINES);
         }
-        format!("{warnings}{}\n{}{more}", self.computed(), aligned(&table))
+        format!("{warnings}{}\n{}{words}", self.computed(), aligned(&table))
     }
 
     /// Warnings with the combinations that they are about.
     fn warnings(&self) -> Vec<Warning> {
-        let of = |(one, results): Run<'_>| {
-            let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
-            warnings.map(move |warning| {
-                let what = format!("{prefix}{}", warning.what);
-                Warning { what, ..warning }
-            })
-        };
-        let mut all: Vec<Warning> = self.found().flat_map(of).collect();
+        let mut all = Vec::new();
+        for (one, results) in self.found() {
+            all.extend(results.warnings(&one.scene).into_iter().map(|mut warning| {
+                warning.what.insert_str(0, &one.prefix());
+                warning
+            }));
+        }
         let more = all.len().saturating_sub(MAX_LINES);
         all.truncate(MAX_LINES);
         all.extend((more > 0).then(|| Warning::new(format!("and {more} more"))));
@@ -101,9 +101,8 @@ impl Outcomes<'_> {
         if let Some((_, Results { study: None, tables, .. })) = single {
             return paths_at_end(self.sweep.scene(), tables);
         }
-        let row = |label: &str, cells: Vec<String>| {
-            let label = single.is_none().then(|| label.to_owned());
-            label.into_iter().chain(cells).collect()
+        let row = |label: &str, cells: Vec<String>| -> Vec<String> {
+            single.is_none().then(|| label.to_owned()).into_iter().chain(cells).collect()
         };
         let mut table = vec![row("", titles())];
         for (one, results) in self.found() {
@@ -141,46 +140,49 @@ impl Outcomes<'_> {
             files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
         }
         for format in formats {
-            let ending = format!("{format:?}").to_lowercase();
             let write = |name: &str, mut bytes: Vec<u8>| {
                 if let Format::Json = format {
                     bytes.push(b'\n');
                 }
+                let ending = format!("{format:?}").to_lowercase();
                 files::write(&folder.join(format!("{name}.{ending}")), bytes)
             };
             let single = self.single();
-            if let Some((one, found)) = single {
-                let tables = kept(&one.scene, found.tables.clone());
-                let mut text = Vec::new();
-                match format {
-                    Format::Csv => write_csv(&tables, &mut text)?,
-                    Format::Json => text = serde_json::to_vec(&tables)?,
-                    Format::Npz => {
-                        let paths = npz::paths(&one.scene, tables);
-                        text = npz::bytes(paths.chain(found.spectra.iter().cloned()))?;
-                    }
+            let statistics = || -> Done<Vec<u8>> {
+                Ok(match (format, single) {
+                    (Format::Csv, _) => self.csv(Results::series)?,
+                    (Format::Npz, _) => npz::bytes(self.arrays())?,
+                    (Format::Json, Some((_, found))) => serde_json::to_vec(&found.study)?,
+                    (Format::Json, None) => serde_json::to_vec_pretty(
+                        &self.of_each(|(_, found)| json!({ "series": found.series() })),
+                    )?,
+                })
+            };
+            let Some((one, found)) = single else {
+                write("sweep", statistics()?)?;
+                continue;
+            };
+            let (tables, mut csv) = (kept(&one.scene, found.tables.clone()), Vec::new());
+            let paths = match format {
+                Format::Csv => write_csv(&tables, &mut csv).map(|()| csv)?,
+                Format::Json => serde_json::to_vec(&tables)?,
+                Format::Npz => {
+                    let spectra = found.spectra.iter().cloned();
+                    npz::bytes(npz::paths(&one.scene, tables).into_iter().chain(spectra))?
                 }
-                write("paths", text)?;
-                if let (Format::Json, [_, ..]) = (format, &found.spectra[..]) {
+            };
+            write("paths", paths)?;
+            if found.study.is_some() {
+                write("study", statistics()?)?;
+            }
+            match format {
+                Format::Csv if !found.lagged().is_empty() => {
+                    write("lags", self.csv(Results::lagged)?)?;
+                }
+                Format::Json if !found.spectra.is_empty() => {
                     write("spectra", serde_json::to_vec(&found.spectra)?)?;
                 }
-            }
-            let name = if single.is_some() { "study" } else { "sweep" };
-            let found = match (format, single.map(|(_, found)| found.study.as_ref())) {
-                (_, Some(None)) => continue,
-                (Format::Csv, _) => self.csv(Results::series)?,
-                (Format::Json, Some(study)) => serde_json::to_vec(&study)?,
-                (Format::Json, None) => {
-                    let json = self.of_each(|(_, found)| json!({ "series": found.series() }));
-                    serde_json::to_vec_pretty(&json)?
-                }
-                (Format::Npz, _) => npz::bytes(self.arrays())?,
-            };
-            write(name, found)?;
-            if let (Format::Csv, Some((_, found))) = (format, single)
-                && !found.lagged().is_empty()
-            {
-                write("lags", self.csv(Results::lagged)?)?;
+                _ => {}
             }
         }
         Ok(files::write(&folder.join("index.html"), self.page(&figures))?)
@@ -190,21 +192,23 @@ impl Outcomes<'_> {
 /// Arrays of paths, which are taken, and of statistics.
 pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
     let (statistics, sweep) = (outcomes.arrays(), outcomes.sweep);
-    let single = outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty());
-    let (mut tables, mut spectra) = (Vec::new(), Vec::new());
-    for results in single {
-        tables.append(&mut results.tables);
-        spectra.append(&mut results.spectra);
+    let mut paths = Vec::new();
+    for results in outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty()) {
+        paths = npz::paths(sweep.scene(), kept(sweep.scene(), mem::take(&mut results.tables)));
+        paths.append(&mut results.spectra);
     }
-    let paths = npz::paths(sweep.scene(), kept(sweep.scene(), tables));
-    [paths.chain(spectra).collect(), statistics]
+    [paths, statistics]
 }
 
 /// Tables with the columns that a scene keeps.
 fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     // Of thousands of components it is found once for all tables.
-    let columns = tables.first().map_or(&[][..], |table| &table.columns);
-    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(column)).collect();
+    let kept: Vec<bool> = tables
+        .first()
+        .map_or(&[][..], |table| &table.columns)
+        .iter()
+        .map(|column| scene.keeps(column))
+        .collect();
     for table in &mut tables {
         let mut kept = kept.iter();
         table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));
@@ -219,13 +223,13 @@ fn known(value: Option<f64>) -> String {
 
 /// The titles of the columns of [`at_end`].
 fn titles() -> Vec<String> {
-    let of_table = STATISTICS.iter().filter(|statistic| statistic.title.is_some());
-    let of_table = of_table.flat_map(|statistic| {
-        let beside = statistic.interval.map(|_| ["95 % interval", "step error"]);
-        statistic.title.into_iter().chain(beside.into_iter().flatten())
-    });
-    let all = ["at the end"].into_iter().chain(of_table).chain(["median", "5 % … 95 %"]);
-    all.map(String::from).collect()
+    let mut titles = vec!["at the end"];
+    for statistic in STATISTICS.iter().filter(|statistic| statistic.title.is_some()) {
+        titles.extend(statistic.title);
+        titles.extend(statistic.interval.iter().flat_map(|_| ["95 % interval", "step error"]));
+    }
+    titles.extend(["median", "5 % … 95 %"]);
+    titles.into_iter().map(String::from).collect()
 }
 
 /// The statistics at the final time: the step error stands behind what has an interval.
@@ -236,17 +240,25 @@ fn at_end(series: &Series, results: &Results) -> Vec<String> {
         Some((None, Some(ends))) => between(ends),
         found => known(found.and_then(|(value, _)| value)),
     };
-    let why = || last.interval_note.as_ref().map_or("–".into(), ToString::to_string);
     let mut cells = vec![name.clone()];
     for statistic in STATISTICS.iter().filter(|statistic| statistic.title.is_some()) {
         cells.push(known((statistic.of)(last)));
         if let Some(interval) = statistic.interval {
-            cells.push(interval(last).map_or_else(why, between));
+            cells.push(interval(last).map_or_else(
+                || last.interval_note.as_ref().map_or("–".into(), ToString::to_string),
+                between,
+            ));
             cells.push(step_cell(step_errors(results, name)));
         }
     }
-    let ends = [0.05, 0.95].map(quantile).join(" … ");
-    cells.extend([quantile(0.5), if last.quantiles.is_empty() { "–".into() } else { ends }]);
+    cells.extend([
+        quantile(0.5),
+        if last.quantiles.is_empty() {
+            "–".into()
+        } else {
+            [0.05, 0.95].map(quantile).join(" … ")
+        },
+    ]);
     cells
 }
 
@@ -258,28 +270,30 @@ fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
     let shown = &tables[..tables.len().min(SHOWN_PATHS)];
     let mut rows = vec![vec!["at the end".into()]];
     rows[0].extend((0..shown.len()).map(|path| format!("path {path}")));
-    for Observable { name, .. } in &scene.observables {
-        let last =
-            |table: &TimeSeries| known(table.column(name).and_then(|all| all.last().copied()));
-        let mut row = vec![name.clone()];
-        row.extend(shown.iter().map(last));
-        rows.push(row);
-    }
+    rows.extend(scene.observables.iter().map(|Observable { name, .. }| {
+        let last = |table: &TimeSeries| table.column(name)?.last().copied();
+        iter::once(name.clone()).chain(shown.iter().map(|table| known(last(table)))).collect()
+    }));
     rows
 }
 
 /// The results of a run for programs.
 fn summary((one, results): Run<'_>) -> Value {
     let scene = &one.scene;
-    let last = |series: &Series| {
-        let mut last = json!(series.last());
-        last["step_error"] = json!(
-            step_errors(results, &series.observable)
-                .map(|[mean, deviation]| json!({ "mean": mean, "deviation": deviation }))
-        );
-        (series.observable.clone(), last)
+    let at_end = |study: &StudyResult| {
+        study
+            .series
+            .iter()
+            .map(|series| {
+                let mut last = json!(series.last());
+                last["step_error"] = json!(
+                    step_errors(results, &series.observable)
+                        .map(|[mean, deviation]| json!({ "mean": mean, "deviation": deviation }))
+                );
+                (series.observable.clone(), last)
+            })
+            .collect::<Value>()
     };
-    let at_end = |study: &StudyResult| study.series.iter().map(last).collect::<Value>();
     let halted = results.halted(scene).map(|(path, why)| json!({ "path": path, "why": why }));
     json!({
         "title": scene.title,

@@ -6,8 +6,8 @@ use std::{
 };
 
 use casimir::{
-    mc::{Role, TimeSeries},
-    study::{Histogram, Joint, STATISTICS, Series, StudyResult, Summary},
+    mc::{Column, Role, TimeSeries},
+    study::{Grid, Histogram, Joint, STATISTICS, Series, StudyResult, Summary},
 };
 use scenes::Scene;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -41,8 +41,9 @@ pub fn bytes(arrays: impl IntoIterator<Item = Array>) -> io::Result<Vec<u8>> {
 /// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
 /// which needs a compiler of C.
 fn header(shape: &[usize]) -> Vec<u8> {
-    let end = if shape.len() == 1 { ",)" } else { ")" };
-    let shape = format!("{shape:?}").replace('[', "(").replace(']', end);
+    let shape = format!("{shape:?}")
+        .replace('[', "(")
+        .replace(']', if shape.len() == 1 { ",)" } else { ")" });
     let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
     let mut header = b"\x93NUMPY\x01\x00".to_vec();
@@ -53,53 +54,62 @@ fn header(shape: &[usize]) -> Vec<u8> {
 
 /// The tables of paths, which are used up: `t`, and for each column an array [path, time]; spins on
 /// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
-pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
-    let longest = tables.iter().max_by_key(|table| table.times().len());
-    let columns = longest.map_or(&[][..], |table| &table.columns);
-    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-    let times = longest.map_or(&[][..], |table| table.times()).to_vec();
-    let components = scene.components.len();
-    let is = |role: Role| columns.iter().enumerate().filter(move |(_, column)| column.role == role);
-    let time = is(Role::Time).next().map(|(k, _)| k);
+pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<Array> {
+    let Some(times) =
+        tables.iter().map(TimeSeries::times).max_by_key(|times| times.len()).map(<[f64]>::to_vec)
+    else {
+        return Vec::new();
+    };
+    let (paths, length) = (tables.len(), times.len());
+    let mut arrays = vec![list("t", times)];
+    let components: Vec<usize> = tables[0]
+        .columns
+        .iter()
+        .enumerate()
+        .filter(|(_, column)| column.role == Role::Component)
+        .map(|(k, _)| k)
+        .collect();
     // All components are there, or some by name.
-    let are_spins = !scene.sizes.is_empty() && is(Role::Component).count() == components;
-    let first = is(Role::Component).next().map_or(0, |(k, _)| k);
-    let spins = if are_spins { first..first + components } else { 0..0 };
-    let vectors = are_spins.then(|| {
-        let shape = vec![tables.len(), times.len(), components / 3, 3];
+    let are_spins = !scene.sizes.is_empty() && components.len() == scene.components.len();
+    let spins = are_spins.then(|| {
+        let shape = vec![paths, length, components.len() / 3, 3];
         let mut values = Vec::with_capacity(shape.iter().product());
-        for table in &tables {
-            for k in 0..times.len() {
-                let columns = table.columns[spins.clone()].iter();
-                values.extend(columns.map(|c| c.values.get(k).copied().unwrap_or(f64::NAN)));
-            }
+        for (table, k) in tables.iter().flat_map(|table| (0..length).map(move |k| (table, k))) {
+            let of = |&component: &usize| table.columns[component].values.get(k).copied();
+            values.extend(components.iter().map(|component| of(component).unwrap_or(f64::NAN)));
         }
         ("spins".to_owned(), shape, values)
     });
-    let alone = names.into_iter().enumerate();
-    let alone = alone.filter(move |(k, _)| !spins.contains(k) && time != Some(*k));
-    let t = longest.map(|_| list("t", times.clone()));
-    let array = move |(k, name): (usize, String)| {
-        let mut values = Vec::with_capacity(tables.len() * times.len());
+    for k in 0..tables[0].columns.len() {
+        let Column { name, role, .. } = &tables[0].columns[k];
+        if *role == Role::Time || are_spins && *role == Role::Component {
+            continue;
+        }
+        let (name, mut values) = (name.clone(), Vec::with_capacity(paths * length));
         for table in &mut tables {
             let mut column = mem::take(&mut table.columns[k].values);
-            column.resize(times.len(), f64::NAN);
+            column.resize(length, f64::NAN);
             values.extend(column);
         }
-        (name, vec![tables.len(), times.len()], values)
-    };
-    t.into_iter().chain(alone.map(array)).chain(vectors)
+        arrays.push((name, vec![paths, length], values));
+    }
+    arrays.extend(spins);
+    arrays
+}
+
+/// The edges of the bins of a grid.
+fn edges(grid: &Grid) -> Vec<f64> {
+    (0..=grid.bins).map(|k| grid.edge(k)).collect()
 }
 
 /// Joint laws as arrays.
 pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
     result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
         let name = format!("joint({a}, {b})");
-        let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
-        let values = counts.iter().map(|&count| count as f64).collect();
+        let [x, y] = grids.map(|grid| edges(&grid));
         let shape = vec![x.len() - 1, y.len() - 1];
         let sides = [list(format!("{name} x"), x), list(format!("{name} y"), y)];
-        [(name, shape, values)].into_iter().chain(sides)
+        [(name, shape, counts.iter().map(|&count| count as f64).collect())].into_iter().chain(sides)
     })
 }
 
@@ -107,56 +117,59 @@ pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
 /// quantiles.
 pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
     let [(_, first), ..] = runs else { return Vec::new() };
-    let levels: Vec<f64> = first
-        .iter()
-        .map(|of| &of.last().quantiles)
-        .find(|all| !all.is_empty())
-        .into_iter()
-        .flatten()
-        .map(|one| one.level)
-        .collect();
+    let quantiles = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty());
+    let levels: Vec<f64> = quantiles.into_iter().flatten().map(|one| one.level).collect();
     let mut arrays = Vec::new();
-    for (k, of) in first.iter().enumerate() {
+    for (k, Series { observable, .. }) in first.iter().enumerate() {
+        let mut add = |what: &str, width: &[usize], of: &dyn Fn(&Series) -> Vec<f64>| {
+            let (shape, each) = ([axes, width].concat(), width.iter().product::<usize>());
+            let mut values = vec![f64::NAN; shape.iter().product()];
+            for (place, series) in runs {
+                let known = of(&series[k]);
+                values[place * each..][..known.len()].copy_from_slice(&known);
+            }
+            arrays.push((format!("{observable} {what}"), shape, values));
+        };
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);
-        let mut add =
-            |what: &str, width: &[usize], value: &dyn Fn(&Summary, usize) -> Option<f64>| {
-                let (shape, each) = ([axes, &[times], width].concat(), width.iter().product());
-                let mut values = vec![f64::NAN; shape.iter().product()];
-                for (place, series) in runs {
-                    let points = series[k].points.iter();
-                    let known = points.flat_map(|point| (0..each).map(move |n| value(point, n)));
-                    let row = values[place * times * each..].iter_mut().zip(known);
-                    row.for_each(|(value, known)| *value = known.unwrap_or(f64::NAN));
-                }
-                arrays.push((format!("{} {what}", of.observable), shape, values));
-            };
+        let mut in_time = |what: &str, of: &dyn Fn(&Summary) -> Option<f64>| {
+            add(what, &[times], &|series| {
+                series.points.iter().map(|point| of(point).unwrap_or(f64::NAN)).collect()
+            });
+        };
         for statistic in STATISTICS {
-            add(statistic.key, &[], &|point, _| (statistic.of)(point));
+            in_time(statistic.key, &statistic.of);
             if let Some(interval) = statistic.interval {
                 // Those of the mean have no other name.
                 let of = if statistic.key == "mean" { "" } else { "variance " };
-                add(&format!("{of}lo"), &[], &|point, _| Some(interval(point)?.0));
-                add(&format!("{of}hi"), &[], &|point, _| Some(interval(point)?.1));
+                in_time(&format!("{of}lo"), &|point| Some(interval(point)?.0));
+                in_time(&format!("{of}hi"), &|point| Some(interval(point)?.1));
             }
         }
-        add("median", &[], &|point, _| point.quantile(0.5)?.value);
-        if !of.last().quantiles.is_empty() {
-            add("quantiles", &[levels.len()], &|point, level| point.quantiles.get(level)?.value);
+        in_time("median", &|point| point.quantile(0.5)?.value);
+        if !first[k].last().quantiles.is_empty() {
+            add("quantiles", &[times, levels.len()], &|series| {
+                let value = |point: &Summary, level: usize| point.quantiles.get(level)?.value;
+                series
+                    .points
+                    .iter()
+                    .flat_map(|point| (0..levels.len()).map(move |level| value(point, level)))
+                    .map(|known| known.unwrap_or(f64::NAN))
+                    .collect()
+            });
         }
-        let at_end = runs.iter().map(|(place, of)| (place, of[k].last().histogram.as_ref()));
-        let at_end: Vec<_> = at_end.filter_map(|(place, of)| Some((place, of?))).collect();
-        let Some(bins) = at_end.iter().map(|(_, of)| of.counts.len()).max() else { continue };
-        let mut add = |what, width: usize, value: &dyn Fn(&Histogram, usize) -> f64| {
-            let shape = [axes, &[width]].concat();
-            let mut values = vec![f64::NAN; shape.iter().product()];
-            for (place, of) in &at_end {
-                let row = values[*place * width..].iter_mut().take(width + of.counts.len() - bins);
-                row.enumerate().for_each(|(n, number)| *number = value(of, n));
-            }
-            arrays.push((format!("{} {what}", first[k].observable), shape, values));
+        let Some(bins) = runs
+            .iter()
+            .filter_map(|(_, all)| all[k].last().histogram.as_ref())
+            .map(|of| of.counts.len())
+            .max()
+        else {
+            continue;
         };
-        add("histogram", bins, &|of, n| of.counts[n] as f64);
-        add("edges", bins + 1, &|of, n| of.grid.edge(n as u32));
+        let mut add = |what, width: usize, of: fn(&Histogram) -> Vec<f64>| {
+            add(what, &[width], &|series| series.last().histogram.as_ref().map_or(Vec::new(), of));
+        };
+        add("histogram", bins, |of| of.counts.iter().map(|&count| count as f64).collect());
+        add("edges", bins + 1, |of| edges(&of.grid));
     }
     if !levels.is_empty() {
         arrays.push(list("quantile levels", levels));

@@ -2,11 +2,8 @@
 
 use casimir::plot::Document;
 
-use scenes::digits;
-
-use super::Section;
-use crate::Outcomes;
-use scenes::{MAX_COMPONENTS, Varied};
+use super::*;
+use scenes::MAX_COMPONENTS;
 
 /// The section of figures that has the table at the end.
 pub const TABLE: &str = "At the end";
@@ -31,8 +28,8 @@ impl Outcomes<'_> {
             }
             page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
         }
-        let known = self.single().map(|(one, found)| found.known.text(&one.scene.components));
-        if let Some(known) = known.filter(|known| !known.is_empty()) {
+        let known = |(one, _): Run<'_>| one.scene.model.known().text(&one.scene.components);
+        if let Some(known) = self.single().map(known).filter(|known| !known.is_empty()) {
             page.section("What the system is");
             page.verbatim("see casimir inspect for more", &known);
         }
@@ -49,19 +46,20 @@ impl Outcomes<'_> {
         let fact = |term: &str, what: String| (term.to_owned(), what);
         let program = fact("program", format!("casimir {}", env!("CARGO_PKG_VERSION")));
         let Some((_, results)) = self.single() else {
+            let mut keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
+            let noise = if keys.all(|key| key == settings.key) { "the same" } else { "others" };
             let varied = self.sweep.varied.iter();
-            let varied = varied.map(|Varied { name, values, .. }| (name.clone(), list(values)));
-            let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
-            let noise = if keys.is_sorted_by(|a, b| a == b) { "the same" } else { "others" };
-            let noise = format!("seed {seed}, {noise} for each combination");
-            let facts = [fact("runs", self.computed()), fact("random numbers", noise), program];
-            return varied.chain(facts).collect();
+            let facts = [
+                fact("runs", self.computed()),
+                fact("random numbers", format!("seed {seed}, {noise} for each combination")),
+                program,
+            ];
+            return varied.map(|one| (one.name.clone(), list(&one.values))).chain(facts).collect();
         };
         let (system, damping) = results
             .tables
             .first()
             .map_or_else(Default::default, |table| (table.system.clone(), table.damping.clone()));
-        let because = results.because.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let law = settings.random.as_ref().map(|random| random.law.clone());
         let (until, steps) = (settings.until, settings.steps);
         let tau = digits(until / steps as f64);
@@ -70,7 +68,11 @@ impl Outcomes<'_> {
             fact("damping", damping),
             fact("initial value", law.unwrap_or_else(|| numbers(&settings.initial))),
             fact("time", format!("0 to {until} in {steps} steps of {tau}")),
-            fact("scheme", results.scheme.clone() + &because),
+            fact(
+                "scheme",
+                results.scheme.clone()
+                    + &results.because.as_ref().map_or(String::new(), |why| format!(": {why}")),
+            ),
             fact("paths", format!("{}, seed {seed}", results.paths())),
             fact("computing", format!("{:.2} s of wall time", results.seconds)),
             program,

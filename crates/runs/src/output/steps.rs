@@ -1,17 +1,12 @@
 //! Step errors in words.
 
-use casimir::{
-    analysis::{
-        STIFF, StepCheck,
-        StepError::{self, About, Below, CannotTell, Fine},
-        StepErrors, TURN,
-    },
-    stats::Warning,
-    study::{Series, Summary},
+use casimir::analysis::{
+    STIFF, StepCheck,
+    StepError::{self, About, Below, CannotTell, Fine},
+    StepErrors, TURN,
 };
 
-use crate::Results;
-use scenes::{Scene, digits};
+use super::*;
 
 /// Known step errors of the mean and of the deviation of an observable, which a study shows with
 /// the half-width of its interval.
@@ -75,8 +70,10 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     }
     if check.turn > TURN {
         let steps = more(check.turn);
-        let what = Warning::new(turns.clone() + ", which is not resolved");
-        lines.push(what.with_remedy(format!("take more than {steps} steps")));
+        lines.push(
+            Warning::new(turns.clone() + ", which is not resolved")
+                .with_remedy(format!("take more than {steps} steps")),
+        );
     }
     if let Some((t, enough)) = check.unresolved {
         let take = enough.map_or("many more".into(), |steps| steps.to_string());
@@ -113,18 +110,25 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
             let points = series.map_or(&[][..], |series| &series.points);
             let later = || points[points.len() / 2..].iter();
             let spread = largest(&mut later().filter_map(|point| point.deviation));
-            let size = largest(&mut later().filter_map(|point| point.mean)).max(spread);
-            sort(observable.clone(), first, size);
+            sort(
+                observable.clone(),
+                first,
+                largest(&mut later().filter_map(|point| point.mean)).max(spread),
+            );
             sort(format!("the deviation of {observable}"), second, spread);
             if let Below(_) = first {
                 below.push(observable.clone());
             }
         } else if study.is_none() {
             // Of single paths the difference itself is shown.
-            let columns = tables.iter().filter_map(|table| table.column(observable));
-            let later = columns.flat_map(|column| &column[column.len() / 2..]);
-            let size = largest(&mut later.copied())
-                .max(casimir::real::elementary::hypot(mean.value, deviation.value));
+            let size = largest(
+                &mut tables
+                    .iter()
+                    .filter_map(|table| table.column(observable))
+                    .flat_map(|column| &column[column.len() / 2..])
+                    .copied(),
+            )
+            .max(casimir::real::elementary::hypot(mean.value, deviation.value));
             let along = 2.0 * along_paths;
             if along > 0.01 * size {
                 sort(observable.clone(), About(along), size);
@@ -134,16 +138,22 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let along = if study.is_some() { "" } else { " along a path" };
     if !worst.is_empty() {
         let worst = worst.join(", ");
-        let what = Warning::new(format!("no digit{along} of {worst} is right"));
-        let why = format!("{steps} steps are too few, by {half}");
-        lines.push(what.with_reason(why).with_remedy("take more steps"));
+        lines.push(
+            Warning::new(format!("no digit{along} of {worst} is right"))
+                .with_reason(format!("{steps} steps are too few, by {half}"))
+                .with_remedy("take more steps"),
+        );
     }
     if !seen.is_empty() {
-        let what = Warning::new(format!("step error{along} of {}", seen.join(", of ")));
-        lines.push(what.with_reason(format!("by {half}")));
+        lines.push(
+            Warning::new(format!("step error{along} of {}", seen.join(", of ")))
+                .with_reason(format!("by {half}")),
+        );
     }
-    let is_unseen = !(below.is_empty() && hidden.is_empty());
-    if is_unseen && scene.problem().noises > 0 && check.energy_lost() >= LOST {
+    if !(below.is_empty() && hidden.is_empty())
+        && scene.problem().noises > 0
+        && check.energy_lost() >= LOST
+    {
         // Where x²/(1 + x²) is LEFT.
         let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
         let lost = rough(100.0 * check.energy_lost());
@@ -155,19 +165,25 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
         );
     }
     if !below.is_empty() {
-        let what = format!(
-            "the step error of {} may exceed the sampling error, up to the number after <",
-            below.join(", ")
+        lines.push(
+            Warning::new(format!(
+                "the step error of {} may exceed the sampling error, up to the number after <",
+                below.join(", ")
+            ))
+            .with_reason(format!("{half} see none")),
         );
-        lines.push(Warning::new(what).with_reason(format!("{half} see none")));
     }
     if !hidden.is_empty() {
-        let why = format!("{half} see none, and would miss one as large as the deviation");
-        let what = format!("cannot tell the step error of {}", hidden.join(", "));
-        lines.push(Warning::new(what).with_reason(why));
+        lines.push(
+            Warning::new(format!("cannot tell the step error of {}", hidden.join(", ")))
+                .with_reason(format!(
+                    "{half} see none, and would miss one as large as the deviation"
+                )),
+        );
     }
-    let lagged = along_lags(results, scene, check);
-    lines.extend(lagged.map(|line| line.with_reason(format!("by {half}"))));
+    lines.extend(
+        along_lags(results, scene, check).map(|line| line.with_reason(format!("by {half}"))),
+    );
     lines.extend(failed);
     lines
 }
@@ -178,8 +194,11 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
 fn along_lags(results: &Results, scene: &Scene, check: &StepCheck) -> Option<Warning> {
     let study = results.study.as_ref()?;
     let of = |(&k, series): (&usize, &[Series])| {
-        let half_width = |point: &Summary| point.mean_interval.map(|(lo, hi)| 0.5 * (hi - lo));
-        let sampling = series[0].points.iter().filter_map(half_width).fold(0.0, f64::max);
+        let sampling = series[0]
+            .points
+            .iter()
+            .filter_map(|point| point.mean_interval.map(|(lo, hi)| 0.5 * (hi - lo)))
+            .fold(0.0, f64::max);
         let errors = check.observables.get(k)?;
         let bound = errors.mean.of_error * errors.along_paths / errors.deviation.value;
         (bound > sampling && bound < f64::INFINITY)
@@ -187,11 +206,13 @@ fn along_lags(results: &Results, scene: &Scene, check: &StepCheck) -> Option<War
     };
     let wide: Vec<_> =
         scene.wanted.lagged.iter().zip(study.lagged.chunks(2)).filter_map(of).collect();
-    let what = format!(
-        "the step errors of autocorrelation and spectrum may exceed the sampling errors: of {}",
-        wide.join(", of ")
-    );
-    (!wide.is_empty()).then(|| Warning::new(what).with_remedy("take more steps"))
+    (!wide.is_empty()).then(|| {
+        Warning::new(format!(
+            "the step errors of autocorrelation and spectrum may exceed the sampling errors: of {}",
+            wide.join(", of ")
+        ))
+        .with_remedy("take more steps")
+    })
 }
 
 /// Formats a size with two digits.

@@ -2,21 +2,14 @@
 
 use std::{collections::BTreeMap, io, iter::zip};
 
+use super::{npz::list, page::TABLE, *};
 use casimir::{
     figures::law,
     mc::quoted,
     plot::figure::{Sampled, against, multiples},
-    study::{COLUMNS, Series, write_rows},
+    study::{COLUMNS, write_rows},
 };
-use serde_json::{Value, json};
-
-use super::{
-    Figure, Run, Section,
-    npz::{self, list},
-    page::TABLE,
-};
-use crate::{Outcomes, Results};
-use scenes::{Combination, Settings, Varied};
+use scenes::{Settings, Varied};
 
 /// Series of a run.
 type OfRun = fn(&Results) -> &[Series];
@@ -36,13 +29,17 @@ impl Outcomes<'_> {
     /// Figures with their files and captions: for each observable one against the parameter that
     /// has most values, and one in time.
     pub(super) fn of_sweep(&self) -> Vec<Section> {
-        let varied = self.sweep.varied.iter().enumerate().rev();
-        let most = varied.max_by_key(|(_, varied)| varied.values.len());
-        let Some((x, Varied { name: parameter, values, .. })) = most else { return Vec::new() };
-        let others = self.sweep.varied.iter().enumerate().filter(|(k, _)| *k != x);
-        let others: Vec<&Varied> = others.map(|(_, varied)| varied).collect();
-        let drawn = &self.sweep.scene().drawn;
-        let of = |(k, Series { observable: name, .. }): (usize, &Series)| {
+        let mut others: Vec<&Varied> = self.sweep.varied.iter().collect();
+        let most = (0..others.len()).rev().max_by_key(|&k| others[k].values.len());
+        let Some(x) = most else { return Vec::new() };
+        let Varied { name: parameter, values, .. } = others.remove(x);
+        let (drawn, mut figures) = (&self.sweep.scene().drawn, Vec::new());
+        for (k, Series { observable: name, .. }) in
+            self.found().next().into_iter().flat_map(|(_, found)| found.series()).enumerate()
+        {
+            if drawn.show.as_ref().is_some_and(|show| !show.contains(name)) {
+                continue;
+            }
             // By the places of the other parameters.
             let mut curves = BTreeMap::<Vec<usize>, Vec<Sampled>>::new();
             for (one, results) in self.found() {
@@ -50,60 +47,79 @@ impl Outcomes<'_> {
                 let (value, mean) = (values[places.remove(x)], last.mean.unwrap_or(f64::NAN));
                 curves.entry(places).or_default().push((value, mean, last.mean_interval));
             }
-            let curve = |(places, mut points): (Vec<usize>, Vec<Sampled>)| {
+            let curves = curves.into_iter().map(|(places, mut points)| {
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let words = zip(&others, places).map(|(varied, place)| varied.words(place));
-                (words.collect::<Vec<_>>().join(", "), points)
-            };
-            let curves = spread(curves.into_iter().map(curve).collect(), MAX_CURVES);
-            let words = format!("{name} against {parameter}");
-            let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
-            let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
-            let against = Figure::of("against", name, svg, caption);
-            let panels = self
+                (
+                    zip(&others, places)
+                        .map(|(varied, place)| varied.words(place))
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                    points,
+                )
+            });
+            let svg = against(
+                &format!("{name} against {parameter}"),
+                drawn.title(parameter),
+                drawn.title(name),
+                &spread(curves.collect(), MAX_CURVES),
+            );
+            figures.push(Figure::of(
+                "against",
+                name,
+                svg,
+                format!("{name} at the end against {parameter}: mean, 95 % intervals."),
+            ));
+            let laws = self
                 .found()
                 .map(|(one, found)| (one.label.clone(), law(&found.series()[k].points)));
-            let panels = spread(panels.collect(), MAX_PANELS);
+            let panels = spread(laws.collect(), MAX_PANELS);
             let caption = format!(
                 "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
                  combinations.",
                 panels.len(),
                 self.found().count()
             );
-            let svg = multiples(name, drawn.title(name), &panels);
-            [against, Figure::of("time", name, svg, caption)]
-        };
-        let first = self.found().next().into_iter().flat_map(|(_, found)| found.series());
-        let is_shown = |name| drawn.show.as_ref().is_none_or(|show| show.contains(name));
-        let shown = first.enumerate().filter(|(_, series)| is_shown(&series.observable));
-        vec![("Against the parameters, and in time", shown.flat_map(of).collect()), (TABLE, vec![])]
+            figures.push(Figure::of(
+                "time",
+                name,
+                multiples(name, drawn.title(name), &panels),
+                caption,
+            ));
+        }
+        vec![("Against the parameters, and in time", figures), (TABLE, vec![])]
+    }
+
+    /// The parameters of a combination with their values.
+    fn values(&self, one: &Combination) -> impl Iterator<Item = (&Varied, f64)> {
+        zip(&self.sweep.varied, &one.places).map(|(varied, &place)| (varied, varied.values[place]))
     }
 
     /// The results for programs: `of` each combination.
     pub(super) fn of_each(&self, of: impl Fn(Run<'_>) -> Value) -> Value {
-        let run = |run: Run<'_>| {
-            let both = zip(&self.sweep.varied, &run.0.places);
-            let both = both.map(|(varied, &k)| (varied.name.clone(), json!(varied.values[k])));
-            let mut found = of(run);
-            found["parameters"] = both.collect();
-            found
-        };
         let varied = self.sweep.varied.iter();
         let varied = varied.map(|varied| (varied.name.clone(), json!(varied.values)));
+        let runs = self.found().map(|run| {
+            let mut found = of(run);
+            let values = self.values(run.0);
+            found["parameters"] = values.map(|(varied, x)| (varied.name.clone(), x)).collect();
+            found
+        });
         json!({
             "title": self.sweep.scene().title,
             "sweep": varied.collect::<Value>(),
-            "runs": self.found().map(run).collect::<Value>(),
+            "runs": runs.collect::<Value>(),
         })
     }
 
     /// The rows of each combination after the values of its parameters.
     pub(super) fn csv(&self, of: OfRun) -> io::Result<Vec<u8>> {
-        let names = self.sweep.varied.iter().map(|varied| quoted(&varied.name) + ",");
-        let mut csv = (names.collect::<String>() + COLUMNS + "\n").into_bytes();
+        let mut csv =
+            (self.sweep.varied.iter().map(|varied| quoted(&varied.name) + ",").collect::<String>()
+                + COLUMNS
+                + "\n")
+                .into_bytes();
         for (one, found) in self.found() {
-            let values = zip(&self.sweep.varied, &one.places);
-            let values: String = values.map(|(of, &k)| format!("{},", of.values[k])).collect();
+            let values: String = self.values(one).map(|(_, value)| format!("{value},")).collect();
             write_rows(of(found), &values, &mut csv)?;
         }
         Ok(csv)
@@ -126,19 +142,28 @@ impl Outcomes<'_> {
             varied.iter().map(|one| list(&*one.name, one.values.clone())).collect();
         let Settings { times, steps, until, .. } = self.sweep.scene().settings;
         // To the bit those of a run.
-        let time = |k| (k * (steps / times)) as f64 * (until / steps as f64);
-        arrays.push(list("t", (0..=times).map(time).collect()));
-        let place = |one: &Combination| zip(&axes, &one.places).fold(0, |at, (n, k)| at * n + k);
+        arrays.push(list(
+            "t",
+            (0..=times).map(|k| (k * (steps / times)) as f64 * (until / steps as f64)).collect(),
+        ));
         let of = |of: OfRun| -> Vec<_> {
-            self.found().map(|(one, found)| (place(one), of(found))).collect()
+            self.found()
+                .map(|(one, found)| {
+                    (zip(&axes, &one.places).fold(0, |at, (n, k)| at * n + k), of(found))
+                })
+                .collect()
         };
+        let mut lagged = of(Results::lagged);
         // None where a part has not come so far.
-        let lagged = of(Results::lagged);
-        let lagged = if lagged.iter().all(|(_, all)| !all.is_empty()) { lagged } else { vec![] };
+        if lagged.iter().any(|(_, all)| all.is_empty()) {
+            lagged.clear();
+        }
         // All autocorrelations have the same lags, all spectra the same frequencies.
         for series in lagged.iter().flat_map(|(_, all)| *all).take(2) {
-            let at = series.points.iter().map(|point| point.time).collect();
-            arrays.push(list(series.kind.axis(), at));
+            arrays.push(list(
+                series.kind.axis(),
+                series.points.iter().map(|point| point.time).collect(),
+            ));
         }
         arrays.extend(npz::statistics(&axes, &of(Results::series)));
         arrays.extend(npz::statistics(&axes, &lagged));
