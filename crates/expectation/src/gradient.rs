@@ -357,9 +357,11 @@ impl Method for SideBySide<'_> {
     }
 }
 
+/// A stepper with its damping; that of the first is in the steps.
+type Damped<'a> = (Box<dyn Stepper + 'a>, Option<&'a dyn Damping>);
+
 struct Side<'a> {
-    /// The steppers with their dampings; that of the first is in the steps.
-    all: Vec<(Box<dyn Stepper + 'a>, Option<&'a dyn Damping>)>,
+    all: Vec<Damped<'a>>,
     dimension: usize,
     rows: Vec<Row>,
 }

@@ -71,7 +71,7 @@ pub use grid::Grid;
 pub use result::{COLUMNS, Kind, Losses, Series, StudyResult, write_rows};
 pub use settings::{Record, StudySettings};
 pub use summary::{
-    Histogram, IntervalNote, Place, Quantile, STATISTICS, Summary, SummaryStatistic,
+    Histogram, IntervalNote, IntervalOf, Place, Quantile, STATISTICS, Summary, SummaryStatistic,
 };
 
 /// Observables of many paths of a problem by a scheme, see the [module](self). The bins are chosen

@@ -51,6 +51,9 @@ pub struct Summary {
     pub histogram: Option<Histogram>,
 }
 
+/// The 95 % interval of a statistic; `None` where it is not known.
+pub type IntervalOf = fn(&Summary) -> Option<(f64, f64)>;
+
 /// A number that tables and files have of a [`Summary`].
 pub struct SummaryStatistic {
     /// Name in files.
@@ -59,8 +62,8 @@ pub struct SummaryStatistic {
     pub title: Option<&'static str>,
     /// The number; `None` where it is not known.
     pub of: fn(&Summary) -> Option<f64>,
-    /// The 95 % interval, for statistics that have one; `None` where it is not known.
-    pub interval: Option<fn(&Summary) -> Option<(f64, f64)>>,
+    /// The 95 % interval, for statistics that have one.
+    pub interval: Option<IntervalOf>,
 }
 
 /// All statistics beside quantiles and counts.

@@ -26,7 +26,7 @@ fn each_key_says_what_it_may_be() {
         (bath.clone(), "kT must be positive, got -1 at t = 0"),
         (
             bath.replace("0.5 }", "\"0.5 - t\" }").replace("\"-k\"", "1"),
-            "line 8, column 18: the friction of `p` must not be negative, got",
+            "line 8, column 18: friction of `p` must not be negative, got",
         ),
     ];
     for (scene, words) in table {

@@ -25,7 +25,7 @@ impl Status {
     }
 
     /// The answer in words, from those for all three, the worst first.
-    pub(crate) fn words<'a>(self, [fails, unknown, holds]: [&'a str; 3]) -> &'a str {
+    pub(crate) fn words(self, [fails, unknown, holds]: [&str; 3]) -> &str {
         match self {
             Self::Fails => fails,
             Self::Unknown => unknown,

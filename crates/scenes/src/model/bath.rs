@@ -44,14 +44,14 @@ pub fn baths(reading: &Reading, definition: &mut Definition) -> Read<Vec<Share>>
                  `transverse` damping of spins"
             );
         }
-        let rates = rates(reading, friction, &definition.state, &definition.vectors)?;
-        for (i, text) in &rates {
-            let (rate, name) = (of_rate(reading, text)?, &definition.state[*i]);
-            if let Some(t) = times.iter().find(|t| rate.rate(**t) < 0.0) {
-                let rate = rate.rate(*t);
-                refuse!(*text, "the friction of `{name}` must not be negative, got {rate} at t = {t}");
+        for (name, text) in friction {
+            let rate = of_rate(reading, text)?;
+            if let Some((t, rate)) = times.map(|t| (t, rate.rate(t))).iter().find(|at| at.1 < 0.0) {
+                let name = name.as_str();
+                refuse!(text, "friction of `{name}` must not be negative, got {rate} at t = {t}");
             }
         }
+        let rates = rates(reading, friction, &definition.state, &definition.vectors)?;
         let noises = of_friction(reading, definition, &rates, temperature)?;
         let first = (definition.noises.len(), definition.baths.len());
         definition.noises.extend(noises);
