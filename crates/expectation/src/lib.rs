@@ -202,7 +202,7 @@ struct Orders {
     next: f64,
 }
 
-/// Those of a mean over both orders of the noises.
+/// Orders of a mean over both orders of the noises.
 const BOTH_ORDERS: Orders = Orders { weak: 2.0, next: 4.0 };
 /// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;

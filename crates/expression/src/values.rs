@@ -24,7 +24,7 @@ impl<T> Values<T> {
         made
     }
 
-    /// The same value for every expression of a graph.
+    /// One value for every expression of a graph.
     pub fn all(graph: &Graph, value: T) -> Self
     where
         T: Clone,

@@ -23,7 +23,7 @@ pub enum Binding {
 struct Words {
     text: String,
     binding: Binding,
-    /// Its constant, and the text of its other factors, which is empty if there are none.
+    /// The constant, and the text of the other factors, which is empty if there are none.
     factors: (f64, String),
 }
 

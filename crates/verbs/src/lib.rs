@@ -70,7 +70,7 @@ pub use stationary::{Equilibrium, Lyapunov};
 use crate::{failure::refuse, output::distinct, prelude::*};
 use scenes::Source;
 
-/// What every verb takes.
+/// Names that all verbs use.
 mod prelude {
     pub use std::time::Instant;
 

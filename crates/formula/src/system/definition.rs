@@ -142,7 +142,7 @@ impl From<NameError> for DefinitionError {
     }
 }
 
-/// What is right in a definition, or the error in it.
+/// A part of a definition, or the error in it.
 type Checked<T> = Result<T, DefinitionError>;
 
 /// The formulas of a definition.

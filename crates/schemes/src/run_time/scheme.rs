@@ -18,7 +18,7 @@ pub trait Scheme: Send + Sync {
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Made<'a>;
 }
 
-/// What [`Scheme::stepper`] returns.
+/// The result of [`Scheme::stepper`].
 pub type Made<'a> = Result<Box<dyn Stepper + 'a>, SchemeError>;
 
 /// Checks that a system has what a scheme with Lévy areas needs.
