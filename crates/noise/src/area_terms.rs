@@ -65,7 +65,7 @@ pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseEr
 ///
 /// For x ≥ 21 by the asymptotic series ψ₁(x) = 1/x + 1/(2x²) + Σ B_{2k}/x^{2k+1}. Its first omitted
 /// term B₁₂/x¹³ is below 4e-17 of the value. For smaller x, terms r⁻² are added to ψ₁(21).
-pub(crate) fn trigamma_after(n: usize) -> f64 {
+pub fn trigamma_after(n: usize) -> f64 {
     const SERIES_FROM: usize = 20;
     let start = n.max(SERIES_FROM);
     let reciprocal = 1.0 / (start as f64 + 1.0);

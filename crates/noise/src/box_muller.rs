@@ -11,7 +11,7 @@ use crate::stream::next_word;
 /// and few enough constants for the registers of AVX2. Between the loops `first` and `second` hold
 /// what the logarithm is made of.
 #[inline(always)]
-pub(crate) fn fill_pair<const L: usize>(
+pub fn fill_pair<const L: usize>(
     words: &mut [[u64; L]; 4],
     first: &mut [f64; L],
     second: &mut [f64; L],
@@ -43,7 +43,7 @@ pub(crate) fn fill_pair<const L: usize>(
 /// The errors are at most 1.5e-15 of the radius. To first order they are 4.3e-16 from the logarithm
 /// (half of 3.9 ulp), 5.2e-16 from the direction, and 3.3e-16 from the root and two products.
 #[inline(always)]
-pub(crate) fn normal_pair(radius_word: u64, angle_word: u64) -> (f64, f64) {
+pub fn normal_pair(radius_word: u64, angle_word: u64) -> (f64, f64) {
     let (l, s) = split_unit(open_unit(radius_word));
     on_circle(minus_two_ln(l, s), angle_word)
 }
@@ -61,7 +61,7 @@ fn on_circle(square: f64, angle_word: u64) -> (f64, f64) {
 /// (k + ½)·2⁻⁵² for k random in 0 .. 2⁵², never 0 and never 1, from the low 52 bits of a random
 /// word. The subtraction is exact.
 #[inline(always)]
-pub(crate) fn open_unit(word: u64) -> f64 {
+pub fn open_unit(word: u64) -> f64 {
     f64::from_bits((word & FRACTION) | ONE) - (1.0 - 0.5 * f64::EPSILON)
 }
 

@@ -36,7 +36,7 @@ pub fn inverse_normal(word: u64) -> f64 {
 ///
 /// There are four loops for the reasons of [`fill_pair`](crate::box_muller::fill_pair).
 #[inline(always)]
-pub(crate) fn fill_normals<const L: usize>(words: &[u64; L], normals: &mut [f64; L], scale: f64) {
+pub fn fill_normals<const L: usize>(words: &[u64; L], normals: &mut [f64; L], scale: f64) {
     let (mut ts, mut ws) = ([0.0; L], [0.0; L]);
     for p in 0..L {
         // t and 1 − t are odd multiples of 2⁻⁵³ without rounding errors.

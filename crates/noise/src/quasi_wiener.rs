@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, sync::Arc};
 
-use real::{Kernel, Row, WIDTH, dispatch};
+use real::{Row, WIDTH};
 
 use crate::{
     NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals, sobol::point_number,
@@ -119,7 +119,7 @@ impl QuasiWiener {
     pub fn block(&self, first_point: u64, increments: &mut [Row]) {
         assert_eq!(increments.len(), self.dimensions(), "there is a row for every dimension");
         assert!(first_point.is_multiple_of(WIDTH as u64), "blocks begin at multiples of 32");
-        dispatch(Fill { noise: self, first: point_number(first_point), rows: increments });
+        fill_block(self, point_number(first_point), increments);
     }
 
     /// The increments of one point, with the same bits: number n·M + m is ΔW_m over step n.
@@ -128,57 +128,14 @@ impl QuasiWiener {
     /// For points from 2³² on.
     pub fn path(&self, point: u64) -> Vec<f64> {
         let mut rows = vec![[0.0]; self.dimensions()];
-        Fill { noise: self, first: point_number(point), rows: &mut rows }.run();
+        self.fill(point_number(point), &mut rows);
         rows.into_flattened()
     }
-}
 
-/// A time node of the bridge. Nodes are counted from 1 at the end of the first step; W(0) = 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct BridgeNode {
-    /// The node itself, and the nodes on its left and right; itself is the right one of the last.
-    node: usize,
-    left: usize,
-    right: usize,
-    /// Weight of W(right) − W(left).
-    weight: f64,
-    /// Standard deviation given both neighbours.
-    deviation: f64,
-}
-
-/// The nodes of `steps` steps, in the order of their dimensions: breadth first.
-fn bridge(steps: usize, t_end: f64) -> Vec<BridgeNode> {
-    let last =
-        BridgeNode { node: steps, left: 0, right: steps, weight: 0.0, deviation: t_end.sqrt() };
-    let mut nodes = vec![last];
-    let mut intervals = VecDeque::from([(0, steps)]);
-    while let Some((left, right)) = intervals.pop_front() {
-        if right - left > 1 {
-            let node = left.midpoint(right);
-            let [before, after, whole] =
-                [node - left, right - node, right - left].map(|n| n as f64);
-            let variance = before * after / whole * (t_end / steps as f64);
-            let (weight, deviation) = (before / whole, variance.sqrt());
-            nodes.push(BridgeNode { node, left, right, weight, deviation });
-            intervals.extend([(left, node), (node, right)]);
-        }
-    }
-    nodes
-}
-
-/// The increments of all dimensions.
-struct Fill<'a, const L: usize> {
-    noise: &'a QuasiWiener,
-    /// Number of the first point.
-    first: u32,
-    rows: &'a mut [[f64; L]],
-}
-
-impl<const L: usize> Kernel for Fill<'_, L> {
-    type Output = ();
+    /// The increments of all dimensions of L points from point `first` on.
     #[inline(always)]
-    fn run(self) {
-        let Self { noise: QuasiWiener { sobol, nodes, noises, .. }, first, rows } = self;
+    fn fill<const L: usize>(&self, first: u32, rows: &mut [[f64; L]]) {
+        let Self { sobol, nodes, noises, .. } = self;
         let (mut high, mut words, mut normals) = ([0; WIDTH], [0; L], [0.0; L]);
         // First the values W_m at the nodes.
         let mut d = 0;
@@ -208,6 +165,45 @@ impl<const L: usize> Kernel for Fill<'_, L> {
                 after[p] -= before[p];
             }
         }
+    }
+}
+
+/// A time node of the bridge. Nodes are counted from 1 at the end of the first step; W(0) = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct BridgeNode {
+    /// The node itself, and the nodes on its left and right; itself is the right one of the last.
+    node: usize,
+    left: usize,
+    right: usize,
+    /// Weight of W(right) − W(left).
+    weight: f64,
+    /// Standard deviation given both neighbours.
+    deviation: f64,
+}
+
+/// The nodes of `steps` steps, in the order of their dimensions: breadth first.
+fn bridge(steps: usize, t_end: f64) -> Vec<BridgeNode> {
+    let deviation = t_end.sqrt();
+    let mut nodes = vec![BridgeNode { node: steps, left: 0, right: steps, weight: 0.0, deviation }];
+    let mut intervals = VecDeque::from([(0, steps)]);
+    while let Some((left, right)) = intervals.pop_front() {
+        if right - left > 1 {
+            let node = left.midpoint(right);
+            let [before, after, whole] =
+                [node - left, right - node, right - left].map(|n| n as f64);
+            let variance = before * after / whole * (t_end / steps as f64);
+            let (weight, deviation) = (before / whole, variance.sqrt());
+            nodes.push(BridgeNode { node, left, right, weight, deviation });
+            intervals.extend([(left, node), (node, right)]);
+        }
+    }
+    nodes
+}
+
+real::kernel! {
+    /// The increments of a block of points.
+    fn fill_block(noise: &'a QuasiWiener, first: u32, rows: &'a mut [Row]) {
+        noise.fill(first, rows);
     }
 }
 

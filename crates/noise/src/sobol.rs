@@ -162,7 +162,7 @@ impl ScrambledSobol {
 }
 
 /// The number of a point of a scramble, or of the first one of a block.
-pub(crate) fn point_number(number: u64) -> u32 {
+pub fn point_number(number: u64) -> u32 {
     number.try_into().unwrap_or_else(|_| panic!("a scramble has the points 0 to 2^32 - 1"))
 }
 

@@ -75,8 +75,10 @@ impl StepNoise {
     /// the entries above the diagonal are read.
     pub fn set_path<const M: usize>(&mut self, p: usize, noise: &Noise<M>) {
         self.increments.iter_mut().zip(noise.increments).for_each(|(row, dw)| row[p] = dw);
-        for m in 0..if self.areas.is_empty() { 0 } else { M } {
-            (m + 1..M).for_each(|l| self.areas[m * M + l][p] = noise.areas[m][l]);
+        if !self.areas.is_empty() {
+            for m in 0..M {
+                (m + 1..M).for_each(|l| self.areas[m * M + l][p] = noise.areas[m][l]);
+            }
         }
         self.space_time.iter_mut().zip(noise.space_time).for_each(|(row, h)| row[p] = h);
     }

@@ -79,10 +79,10 @@ pub fn mix(mut x: u64) -> u64 {
 }
 
 /// The words of SplitMix64, from a state.
-pub(crate) struct SplitMix(pub(crate) u64);
+pub struct SplitMix(pub u64);
 
 impl SplitMix {
-    pub(crate) fn next(&mut self) -> u64 {
+    pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(GOLDEN);
         mix(self.0)
     }
@@ -137,7 +137,7 @@ impl StreamKey {
 
 /// The next word of xoshiro256++ (Blackman and Vigna 2019).
 #[inline(always)]
-pub(crate) fn next_word(state: &mut [u64; 4]) -> u64 {
+pub fn next_word(state: &mut [u64; 4]) -> u64 {
     let result = state[0].wrapping_add(state[3]).rotate_left(23).wrapping_add(state[0]);
     let shifted = state[1] << 17;
     state[2] ^= state[0];
@@ -153,11 +153,11 @@ pub(crate) fn next_word(state: &mut [u64; 4]) -> u64 {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(align(64))]
-pub(crate) struct BlockStreams(pub(crate) [[u64; WIDTH]; 4]);
+pub struct BlockStreams(pub [[u64; WIDTH]; 4]);
 
 impl BlockStreams {
     /// The streams of paths `first` .. `first + 32`.
-    pub(crate) fn new(key: StreamKey, first: u64) -> Self {
+    pub fn new(key: StreamKey, first: u64) -> Self {
         let mut words = [[0; WIDTH]; 4];
         for p in 0..WIDTH {
             let state = key.state(first.wrapping_add(p as u64));

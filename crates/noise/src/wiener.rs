@@ -1,7 +1,7 @@
 //! Wiener increments of a block of paths and of one path. Both call the same functions, so they
 //! give the same bits.
 
-use real::{Kernel, Row, WIDTH, dispatch};
+use real::{Row, WIDTH};
 
 use crate::{
     StreamKey,
@@ -31,46 +31,35 @@ impl WienerRows {
     /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`; `sqrt_tau` = √τ.
     #[inline]
     pub fn increments(&mut self, sqrt_tau: f64, dw: &mut [Row]) {
-        let Self { streams, spare, has_spare } = self;
-        let (noises, begins_with_spare) = (dw.len(), *has_spare);
-        *has_spare ^= noises % 2 == 1;
-        let fill = Fill { streams, spare, begins_with_spare, dw, sqrt_tau };
-        if noises == 1 && begins_with_spare {
-            // Nothing is drawn, which is not worth a dispatch.
-            fill.run();
-        } else if noises > 0 {
-            dispatch(fill);
+        let mut rows = dw;
+        if self.has_spare
+            && let [row, rest @ ..] = rows
+        {
+            for p in 0..WIDTH {
+                row[p] = self.spare[p] * sqrt_tau;
+            }
+            (rows, self.has_spare) = (rest, false);
+        }
+        if !rows.is_empty() {
+            self.has_spare = rows.len() % 2 == 1;
+            fill(&mut self.streams.0, rows, &mut self.spare, sqrt_tau);
         }
     }
 }
 
-/// Fills the rows of `dw` with the spare normals, if it begins with them, and with pairs of
-/// normals. The last of an odd number of these becomes the spare.
-struct Fill<'a> {
-    streams: &'a mut BlockStreams,
-    spare: &'a mut Row,
-    begins_with_spare: bool,
-    dw: &'a mut [Row],
-    sqrt_tau: f64,
-}
-
-impl Kernel for Fill<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let Self { streams, spare, begins_with_spare, dw: mut rows, sqrt_tau } = self;
-        if begins_with_spare && let [row, rest @ ..] = rows {
-            for p in 0..WIDTH {
-                row[p] = spare[p] * sqrt_tau;
-            }
-            rows = rest;
-        }
+real::kernel! {
+    /// Fills the rows of `dw` with pairs of normals. The last one of an odd number of rows leaves
+    /// the other normal of its pair as the spare.
+    fn fill(
+        words: &'a mut [[u64; WIDTH]; 4], dw: &'a mut [Row], spare: &'a mut Row, sqrt_tau: f64
+    ) {
+        let mut rows = dw;
         while let [first, second, rest @ ..] = rows {
-            fill_pair(&mut streams.0, first, second, sqrt_tau, sqrt_tau);
+            fill_pair(words, first, second, sqrt_tau, sqrt_tau);
             rows = rest;
         }
         if let [last] = rows {
-            fill_pair(&mut streams.0, last, spare, sqrt_tau, 1.0);
+            fill_pair(words, last, spare, sqrt_tau, 1.0);
         }
     }
 }

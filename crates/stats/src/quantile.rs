@@ -19,8 +19,8 @@ const MAX_STEPS: u32 = 1000;
 /// Two-sided quantile: with probability `confidence` a standard variable is at most this far from
 /// zero. The variable is Student's with `student_degrees` degrees of freedom, or normal if `None`.
 pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
-    let degrees = student_degrees.filter(|&degrees| degrees < NORMAL_DEGREES);
-    let degrees = degrees.map(|degrees| degrees.max(1.0));
+    let few = student_degrees.filter(|&degrees| degrees < NORMAL_DEGREES);
+    let degrees = few.map(|degrees| degrees.max(1.0));
     if degrees.is_none() && confidence == CONFIDENCE {
         return NORMAL;
     }

@@ -154,7 +154,7 @@ impl Ladder<'_> {
             blocks.iter().for_each(|block| block.show(0, observe));
         }
         let mut steps: Vec<Step> = (0..=self.levels).map(|level| self.step(level, 0)).collect();
-        let (mut reported, total) = (0, self.steps_per_path());
+        let mut reported = 0;
         for n in 1..=self.finest_steps {
             if stop.is_asked() {
                 return Err(tally);
@@ -166,10 +166,9 @@ impl Ladder<'_> {
                 block.advance(&steps, n, &mut tally, observe);
             }
             if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
-                // The reports of a path add up to its number of steps.
-                let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
-                progress((share as u64 - reported) * paths);
-                reported = share as u64;
+                let done = self.steps_done(n);
+                progress((done - reported) * paths);
+                reported = done;
             }
         }
         Ok(tally)

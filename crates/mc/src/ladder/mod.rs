@@ -383,7 +383,12 @@ impl<'a> Ladder<'a> {
 
     /// Number of steps of one path in all runs together. Progress is counted in these steps.
     pub fn steps_per_path(&self) -> u64 {
-        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
+        self.steps_done(self.finest_steps)
+    }
+
+    /// Number of steps of one path in all runs together within the first `n` finest steps.
+    fn steps_done(&self, n: u64) -> u64 {
+        self.runs.iter().map(|run| n >> run.level).sum()
     }
 
     /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool. The results are
