@@ -4,7 +4,7 @@ use real::WIDTH;
 use serde::Serialize;
 
 use super::{Sight, shape::Minimum};
-use crate::facts::{Candidates, Finding, Form, Matrix, casimirs, moved, products};
+use crate::facts::{Candidates, Finding, Form, Matrix, casimirs, moved, product};
 
 /// A Casimir that follows from B alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,7 +23,10 @@ pub struct FoundCasimir {
 impl FoundCasimir {
     fn new(form: Form, sight: &Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
-        let terms = |n: usize| products(&matrices[n], &form.gradient(&sight.states[n]));
+        let terms = |n: usize| {
+            let gradient = form.gradient(&sight.states[n]);
+            matrices[n].iter().map(|row| product(row, &gradient)).collect()
+        };
         sight.record(&mut casimir, terms, 0.0);
         let are_positive = sight.points.for_suprema.iter().flatten().all(|y| *y > 0.0);
         let minimum = Minimum::of(&form, are_positive);

@@ -97,22 +97,6 @@ impl Points {
         Ok(Self { region, for_identities, random: identities, for_suprema: points, everywhere })
     }
 
-    /// The points for identities, each followed by others of its cluster.
-    pub fn clusters(&self, probe: &Probe<'_>) -> Batch {
-        let mut random = Random::new(Purpose::Clusters);
-        let mut states = Batch::new();
-        for y in &self.for_identities {
-            states.push(y.clone());
-            for _ in 1..CLUSTER {
-                // Components that are zero remain so.
-                let near = y.iter().map(|y| y * (1.0 + APART * random.uniform()));
-                let near: Vec<f64> = near.collect();
-                states.push(if probe.in_domain(&near) { near } else { y.clone() });
-            }
-        }
-        states
-    }
-
     /// Adds the initial value, and points around it.
     pub fn add_start(&mut self, probe: &Probe<'_>, y0: &[f64]) {
         let mut random = Random::new(Purpose::Around);
@@ -174,7 +158,7 @@ pub enum InspectError {
 pub struct Sight<'a> {
     pub probe: Probe<'a>,
     pub points: &'a Points,
-    /// The states of all clusters.
+    /// The states of all clusters: the points for identities, each followed by others near it.
     pub states: Batch,
     /// Matrices B at `states`; empty for a system of many components, which is checked along random
     /// directions instead.
@@ -188,7 +172,17 @@ const SEGMENT: f64 = 0.1;
 
 impl<'a> Sight<'a> {
     pub fn new(mut probe: Probe<'a>, points: &'a Points) -> Self {
-        let states = points.clusters(&probe);
+        let mut random = Random::new(Purpose::Clusters);
+        let mut states = Batch::new();
+        for y in &points.for_identities {
+            states.push(y.clone());
+            for _ in 1..CLUSTER {
+                // Components that are zero remain so.
+                let near = y.iter().map(|y| y * (1.0 + APART * random.uniform()));
+                let near: Vec<f64> = near.collect();
+                states.push(if probe.in_domain(&near) { near } else { y.clone() });
+            }
+        }
         let small = probe.dimension() <= MATRICES && probe.is_one_tile();
         let matrices = if small { probe.matrix(&states) } else { Vec::new() };
         Self { probe, points, states, matrices }

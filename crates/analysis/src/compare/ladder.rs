@@ -49,11 +49,11 @@ const REPETITIONS: usize = 3;
 const MIN_TIME_S: f64 = 1e-3;
 
 /// Comparison in progress. On rung k a path has 2ᵏ times the least number of steps.
-pub struct Climb<'a> {
-    pub problem: &'a Problem<'a>,
-    pub settings: &'a CompareSettings,
-    pub candidates: &'a Candidates<'a>,
-    pub told: &'a dyn Fn(f64, f64),
+struct Climb<'a> {
+    problem: &'a Problem<'a>,
+    settings: &'a CompareSettings,
+    candidates: &'a Candidates<'a>,
+    told: &'a dyn Fn(f64, f64),
     /// Number of steps of a path on rung 0.
     base: u64,
     start: Instant,
@@ -83,19 +83,32 @@ impl Climber<'_> {
     }
 }
 
-impl<'a> Climb<'a> {
-    pub fn new(
-        problem: &'a Problem<'a>,
-        candidates: &'a Candidates<'a>,
-        settings: &'a CompareSettings,
-        told: &'a dyn Fn(f64, f64),
-    ) -> Self {
-        let base = ((problem.t_end / LONGEST).ceil() as u64).max(MIN_STEPS).next_power_of_two();
-        let thread = ThreadPoolBuilder::new().num_threads(1).build();
-        let thread = thread.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
-        Self { problem, settings, candidates, told, base, start: Instant::now(), thread }
-    }
+/// Compares schemes on a problem and recommends one; see the [module](super).
+///
+/// `told` reports the progress now and then: the least error of a scheme so far, by the upper end
+/// of its interval, and the seconds that are left at most.
+///
+/// # Errors
+/// [`RunError`] if there is no scheme, if a setting is out of range, if the reference fails, or
+/// if a step size is refused.
+///
+/// # Panics
+/// When no thread can be started.
+pub fn compare(
+    problem: &Problem<'_>,
+    candidates: &Candidates<'_>,
+    settings: &CompareSettings,
+    told: &dyn Fn(f64, f64),
+) -> Result<Comparison, RunError> {
+    settings.check(candidates.schemes.len(), problem.t_end)?;
+    let base = ((problem.t_end / LONGEST).ceil() as u64).max(MIN_STEPS).next_power_of_two();
+    let thread = ThreadPoolBuilder::new().num_threads(1).build();
+    let thread = thread.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
+    let start = Instant::now();
+    Climb { problem, settings, candidates, told, base, start, thread }.run()
+}
 
+impl<'a> Climb<'a> {
     /// The noise of a part of the comparison: errors, pilots, times.
     fn key(&self, part: u64) -> StreamKey {
         let StreamKey { seed, experiment } = self.settings.key;
@@ -106,7 +119,7 @@ impl<'a> Climb<'a> {
         Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) }
     }
 
-    pub fn run(self) -> Result<Comparison, RunError> {
+    fn run(self) -> Result<Comparison, RunError> {
         let Self { problem, settings, candidates, base, .. } = self;
         let stop = settings.stop.within(settings.budget_s);
         let reference = self.pilot(&candidates.reference, &stop)?;

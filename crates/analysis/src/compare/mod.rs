@@ -60,11 +60,11 @@ mod display;
 mod ladder;
 mod verdict;
 
-use mc::{Problem, RunError};
 use serde::{Deserialize, Serialize};
 
 use crate::Spread;
 pub use candidates::{Candidates, CompareSettings};
+pub use ladder::compare;
 pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.
@@ -171,25 +171,4 @@ impl Comparison {
             _ => None,
         }
     }
-}
-
-/// Compares schemes on a problem and recommends one; see the [module](self).
-///
-/// `told` reports the progress now and then: the least error of a scheme so far, by the upper end
-/// of its interval, and the seconds that are left at most.
-///
-/// # Errors
-/// [`RunError`] if there is no scheme, if a setting is out of range, if the reference fails, or
-/// if a step size is refused.
-///
-/// # Panics
-/// When no thread can be started.
-pub fn compare(
-    problem: &Problem<'_>,
-    candidates: &Candidates<'_>,
-    settings: &CompareSettings,
-    told: &dyn Fn(f64, f64),
-) -> Result<Comparison, RunError> {
-    settings.check(candidates.schemes.len(), problem.t_end)?;
-    ladder::Climb::new(problem, candidates, settings, told).run()
 }

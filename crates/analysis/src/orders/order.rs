@@ -12,9 +12,10 @@ use super::{
     decision::{self, More, undecided},
     limit::weak_limit,
     one_step::one_step as one_step_of,
-    runs::{FEW, failing, measure, visits},
+    runs::{kept, visits},
     step_sizes::within,
 };
+use crate::FinalMoments;
 
 /// Relative error of a weak difference that the model, some powers of an expansion, need not
 /// explain.
@@ -22,6 +23,8 @@ const MODEL_ERROR: f64 = 0.01;
 
 /// Number of paths whose states single steps start from.
 const VISITS: u64 = 256;
+/// Number of paths that show whether most fail: steps that fail take longest.
+const FEW: u64 = 32;
 
 /// The strong order of a scheme, from root-mean-square differences y_τ − y_{τ/2} at the final time.
 ///
@@ -104,9 +107,22 @@ fn once(
             }
         }
     };
+    let (steps, length) = (sizes.reference_steps(), number - 1 + one_more);
     let measured = |samples| {
-        let (sizes, clock) = (StepSizes { samples, ..sizes.clone() }, exact.map(|e| e.time_change));
-        measure(setup, &sizes, clock, number - 1 + one_more, &values)
+        let mut ladder = sizes.ladder(setup, steps, sizes.level(0), samples)?;
+        if let Some(exact) = exact {
+            ladder = ladder.with_time_change(exact.time_change);
+        }
+        let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
+        // Few paths show whether most fail, at step sizes that more paths have again.
+        let job = sizes.job.as_deref().filter(|_| samples > FEW);
+        Ok::<_, LadderError>(kept(
+            &ladder,
+            (job, &sizes.stop),
+            &format!("{steps} steps"),
+            samples,
+            new,
+        ))
     };
     let few = sizes.samples.min(FEW);
     let mut measurement = measured(few)?;
@@ -116,7 +132,21 @@ fn once(
     let (moments, failed) = (measurement.statistic.moments, measurement.failed);
     let paths = moments.count() + failed;
     if 10 * failed > paths {
-        return Ok(failing(&measurement.failures, [failed, paths]));
+        // The others say little about the scheme.
+        let first = measurement.failures.first();
+        let t = crate::number(first.map_or(0.0, |first| first.step as f64 * first.tau));
+        let because = format!(
+            "{failed} of {paths} paths failed, the first at t = {t}, where the solution may end"
+        );
+        let (decision, limit) = (undecided(More::Steps, because), Limit::Unchecked);
+        return Ok(Order {
+            points: Vec::new(),
+            rate: None,
+            one_step: None,
+            limit,
+            decision,
+            failed,
+        });
     }
     let (visits, _) = visits(setup, sizes, VISITS)?;
     let limit = match exact {
@@ -131,8 +161,7 @@ fn once(
             None => (moments.part(0..number - 1), Against::HalfStep),
         };
         let size = observable.values(&setup.start(), PathMask::first(1))[0];
-        let rounding = (sizes.reference_steps(), size);
-        weak(&taus[..fitted.length()], &fitted, against, limit, rounding)
+        weak(&taus[..fitted.length()], &fitted, against, limit, (steps, size))
     } else {
         strong(&taus[..number - 1], &moments, one_step_of(setup, sizes, &visits), limit)
     };
@@ -175,7 +204,12 @@ pub fn weak(
     if decision != Decision::WrongLimit && decision::kept(fitted, steps, size) {
         decision = Decision::Kept;
     }
-    Order { points: mean_points(taus, fitted), rate, one_step: None, limit, decision, failed: 0 }
+    let points = taus.iter().zip(means).enumerate().map(|(l, (&tau, value))| {
+        let se = fitted.standard_error(l);
+        let [lo, hi] = [-1.96, 1.96].map(|reach| Some(value + reach * se));
+        Point::Error { tau, value, se, lo, hi, warning: None }
+    });
+    Order { points: points.collect(), rate, one_step: None, limit, decision, failed: 0 }
 }
 
 impl Order {
@@ -199,16 +233,6 @@ pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
         squares[p] = y.iter().zip(x).map(|(y, x)| (y[p] - x[p]).powi(2)).sum();
     }
     squares
-}
-
-/// Points of the means with normal intervals.
-fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
-    let points = taus.iter().enumerate().map(|(l, &tau)| {
-        let (value, se) = (moments.mean(l), moments.standard_error(l));
-        let [lo, hi] = [-1.96, 1.96].map(|reach| Some(value + reach * se));
-        Point::Error { tau, value, se, lo, hi, warning: None }
-    });
-    points.collect()
 }
 
 /// Errors at all step sizes: sums of the differences from each on, the last one from the solution.

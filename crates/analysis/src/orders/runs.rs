@@ -1,41 +1,13 @@
-//! Runs of a scheme at several step sizes, moments of functions of their final states, and states
-//! that paths visit.
+//! Runs of a scheme at several step sizes, and states that paths visit.
 
 use mc::{
-    Kept, Ladder, LadderError, Measured, PathFailure, Setup, Statistic, TimeChange, View,
+    Kept, Ladder, LadderError, Measured, PathFailure, Setup, Statistic, View,
     parts::{Job, Stop},
 };
 
 use real::{Row, golden};
 
-use super::{
-    Limit, Order, StepSizes,
-    decision::{More, undecided},
-};
-use crate::{FinalMoments, FinalRows, number};
-
-/// Number of paths that show whether most fail: steps that fail take longest.
-pub const FEW: u64 = 32;
-
-/// Measures moments of a vector of numbers computed from the final states of the scheme at every
-/// step size, coarsest first.
-pub fn measure<'a>(
-    setup: &'a Setup<'a>,
-    sizes: &StepSizes,
-    time_change: Option<&dyn TimeChange>,
-    length: usize,
-    values: &'a FinalRows<'a>,
-) -> Result<Measured<FinalMoments<'a>>, LadderError> {
-    let (steps, top) = (sizes.reference_steps(), sizes.level(0));
-    let mut ladder = sizes.ladder(setup, steps, top, sizes.samples)?;
-    if let Some(time_change) = time_change {
-        ladder = ladder.with_time_change(time_change);
-    }
-    let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
-    // Few paths show whether most fail, at step sizes that more paths have again.
-    let job = sizes.job.as_deref().filter(|_| sizes.samples > FEW);
-    Ok(kept(&ladder, (job, &sizes.stop), &format!("{steps} steps"), sizes.samples, none))
-}
+use super::StepSizes;
 
 /// Computes a statistic over a number of paths; with a job, as work under the given name and number
 /// of paths. The statistic has no path if the job met an error.
@@ -49,16 +21,6 @@ pub fn kept<T: Kept>(
     let Some(job) = job else { return ladder.run_until(stop, 0, samples, new) };
     let found = ladder.run_in_until(job, stop, &format!("{name}, {samples} paths"), samples, &new);
     found.unwrap_or_else(|| ladder.run(0, new))
-}
-
-/// Undecided order where `failed` of all `paths` failed: the others say little about the scheme.
-pub fn failing(failures: &[PathFailure], [failed, paths]: [u64; 2]) -> Order {
-    let t = number(failures.first().map_or(0.0, |first| first.step as f64 * first.tau));
-    let because = format!(
-        "{failed} of {paths} paths failed, the first at t = {t}, where the solution may end"
-    );
-    let (decision, limit) = (undecided(More::Steps, because), Limit::Unchecked);
-    Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
 }
 
 /// State of a path at a time.

@@ -164,11 +164,6 @@ pub fn differences(a: &[f64], b: &[f64]) -> Vec<Term> {
     a.iter().zip(b).map(|(a, b)| sum([*a, -b])).collect()
 }
 
-/// The terms of A·v = 0, row by row.
-pub fn products(a: &[Vec<f64>], v: &[f64]) -> Vec<Term> {
-    a.iter().map(|row| product(row, v)).collect()
-}
-
 /// Componentwise sum of two lists of terms.
 pub fn combined(a: &[Term], b: &[Term]) -> Vec<Term> {
     a.iter().zip(b).map(|(a, b)| (a.0 + b.0, a.1 + b.1)).collect()
