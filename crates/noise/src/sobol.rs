@@ -132,7 +132,7 @@ impl ScrambledSobol {
         first: u32,
         words: &mut [u64; L],
     ) {
-        if d % WIDTH == 0 {
+        if d.is_multiple_of(WIDTH) {
             *high = self.high_digits(d / WIDTH, first);
         }
         if let Some(seeds) = self.seeds.get(d) {
