@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use crate::{
     At, Count, Event, Few, Formulas, Name, Named, Parameter, Seed, Start, Structure, Text, Values,
+    items, list, some_list,
 };
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
@@ -70,7 +71,7 @@ pub struct SystemTable {
     #[serde(rename = "H0")]
     pub energy: Option<At<Text>>,
     /// The Hamiltonians Hₘ(y), one for each noise. Default: none.
-    #[serde(rename = "H")]
+    #[serde(rename = "H", default, deserialize_with = "some_list")]
     pub noises: Option<Formulas>,
     /// The sense of `drift` and `noise`. Default: `stratonovich`.
     pub calculus: Option<At<Calculus>>,
@@ -99,6 +100,7 @@ pub struct DampingTable {
     /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
     pub rate: Option<At<Text>>,
     /// The components or vectors that have it. Default: all.
+    #[serde(default, deserialize_with = "some_list")]
     pub components: Option<At<Vec<Name>>>,
     /// Rates of components or vectors by name, in the place of `rate`. Others have none.
     #[serde(default)]
@@ -112,7 +114,7 @@ pub struct BathTable {
     /// kT, a formula in t and the parameters.
     pub temperature: At<Text>,
     /// Functions Φ(y) through which it acts: the noise B∇Φ ∘ (dW + u dt) with u = −{H₀, Φ}/2kT.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "items")]
     pub through: Vec<At<Text>>,
     /// Rates γ of friction on momenta or vectors of them by name: Φ = √(2γmkT) q with the
     /// coordinate q and the mass m of the momentum.
@@ -167,11 +169,12 @@ pub struct RunTable {
 #[serde(deny_unknown_fields)]
 pub struct ExpectTable {
     /// Functions φ: names of components or observables, or formulas.
+    #[serde(deserialize_with = "list")]
     pub of: Formulas,
     /// Half-width of the 95 % intervals.
     pub accuracy: At<f64>,
     /// Parameters θ for the derivatives of all expectations.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "items")]
     pub gradient: Vec<Name>,
 }
 
@@ -180,6 +183,7 @@ pub struct ExpectTable {
 #[serde(deny_unknown_fields)]
 pub struct FitTable {
     /// Names of the parameters, which are numbers; the search begins at their values.
+    #[serde(deserialize_with = "items")]
     pub parameters: Vec<Name>,
 }
 
@@ -191,7 +195,7 @@ pub struct StatisticsTable {
     #[serde(default)]
     pub pairs: Vec<Pair>,
     /// Components or names of `observe`: autocorrelation and spectrum along paths.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "items")]
     pub autocorrelation: Vec<Name>,
     /// The time from which autocorrelations count. Default: 0.
     pub from: Option<At<Text>>,

@@ -52,7 +52,12 @@ pub struct SchemeAndSeed {
     #[cfg_attr(feature = "clap", arg(long, value_name = "NAME"))]
     pub scheme: Option<String>,
     /// Seed of the random numbers, instead of that of the scene
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    #[cfg_attr(feature = "clap", arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = super::seed
+    ))]
     pub seed: Option<u64>,
     /// A parameter of the scene, with one value or several: a=0.1,0.2 or a=0:1:11
     #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]

@@ -70,6 +70,12 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
 #[derive(Clone)]
 pub struct Text(pub String);
 
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Self(text)
+    }
+}
+
 /// A whole number of at least 1. 1e6 is one, too.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Count(pub u64);
@@ -205,6 +211,38 @@ one_or_list! { Few, OfFew, "a table, or a list of tables", Few::Many,
     }
 }
 
+/// Reads a list, or its only item.
+pub(crate) fn list<'de, D, T>(deserializer: D) -> Result<At<Vec<At<T>>>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de> + From<String>,
+{
+    let At { value, place } = At::<Listed<At<T>>>::deserialize(deserializer)?;
+    let items = match value {
+        Listed::List(items) => items,
+        Listed::Text(text) => vec![At::new(place.clone(), text.into())],
+    };
+    Ok(At { value: items, place })
+}
+
+/// [`list`] of a key that may be left out.
+pub(crate) fn some_list<'de, D, T>(deserializer: D) -> Result<Option<At<Vec<At<T>>>>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de> + From<String>,
+{
+    list(deserializer).map(Some)
+}
+
+/// The items of a [`list`].
+pub(crate) fn items<'de, D, T>(deserializer: D) -> Result<Vec<At<T>>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de> + From<String>,
+{
+    list(deserializer).map(|at| at.value)
+}
+
 /// An event: the condition when it happens, or a table of it.
 #[derive(Clone)]
 pub struct Event(pub EventTable);
@@ -289,6 +327,12 @@ fn texts(list: Vec<Value>) -> Result<Vec<Text>, String> {
     list.into_iter().map(text).collect()
 }
 
+/// A seed as it is written.
+pub fn seed(text: &str) -> Result<u64, String> {
+    let wrong = || format!("`{text}` is not a seed: a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(|_| wrong())
+}
+
 /// Types with their names and schemas, and how a value is read.
 macro_rules! written {
     ($($type:ident, $name:literal, $schema:tt, $read:expr;)+) => {$(
@@ -314,9 +358,7 @@ written! {
     Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 },
         |value| count(&number(&value)).map(Self);
     Seed, "Seed", { "type": ["integer", "string"], "minimum": 0 }, |value| {
-        let text = value.as_str().map_or_else(|| number(&value), str::to_owned);
-        let wrong = || format!("`{text}` is not a seed: a whole number from 0 to {}", u64::MAX);
-        text.parse().map(Self).map_err(|_| wrong())
+        seed(&value.as_str().map_or_else(|| number(&value), str::to_owned)).map(Self)
     };
     Parameter, "Parameter", {
         "type": ["string", "number", "boolean", "array"],

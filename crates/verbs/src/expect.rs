@@ -241,7 +241,7 @@ pub(crate) fn nearby(scene: &Scene) -> Done<Nearby> {
 }
 
 /// The reason why there are no derivatives along paths, if there are none.
-fn jumps(scene: &Scene) -> Option<String> {
+pub(crate) fn jumps(scene: &Scene) -> Option<String> {
     if scene.model.has_kinks() {
         let words = "B or a Hamiltonian has abs, min or max, whose field jumps: take a smooth \
                      function, such as sqrt(x^2 + d^2)";

@@ -92,7 +92,12 @@ impl Verb for Fit {
             let here = scene.at(&names, &values.collect::<Vec<_>>())?;
             let nearby = match &changes {
                 Some(changes) => here.nearby(changes)?,
-                None => expect::nearby(&here)?,
+                None => {
+                    if let Some(why) = expect::jumps(&here) {
+                        return Err(refused(&here, format!("moments have no derivative: {why}")));
+                    }
+                    expect::nearby(&here)?
+                }
             };
             changes = Some(nearby.changed.iter().map(|one| one.change).collect::<Vec<_>>());
             let (id, _) = scheme_of.get_or_insert_with(|| chosen(&nearby.scene));

@@ -244,3 +244,38 @@ accuracy = 0.01
         assert!((value - exact).abs() <= half && half < 1e-11, "{value} {half} {exact}");
     }
 }
+
+/// A list of one is its item.
+#[test]
+fn an_item_stands_for_a_list() {
+    let scene = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + q^2/2"
+H = ["s*q"]
+parameters = { s = 0.4 }
+[damping]
+rate = 0.1
+components = ["p"]
+[run]
+initial = [1, 0]
+until = 1
+steps = 32
+[expect]
+of = ["q^2"]
+accuracy = 0.05
+gradient = ["s"]
+"#;
+    let found = |scene: &str| {
+        let folder = with_scene(scene);
+        let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+        [found["estimates"].clone(), found["gradient"].clone()]
+    };
+    let items = scene.replace("[\"s*q\"]", "\"s*q\"").replace("[\"q^2\"]", "\"q^2\"");
+    let items = items.replace("[\"s\"]", "\"s\"").replace("[\"p\"]", "\"p\"");
+    assert_eq!(found(scene), found(&items));
+    let wrong = items.replace("of = \"q^2\"", "of = \"r^2\"");
+    let words = ["line 16, column 6", "unknown name `r`"];
+    fails(with_scene(&wrong).path(), &["expect", "scene.toml"], 2, &words);
+}

@@ -32,6 +32,11 @@ fn each_key_says_what_it_may_be() {
     for (scene, words) in table {
         fails(with_scene(&scene).path(), &["run", "scene.toml"], 2, &[words]);
     }
+    let folder = with_scene(OSCILLATOR);
+    for seed in ["-1", "abc"] {
+        let words = format!("`{seed}` is not a seed: a whole number from 0 to 1844674407");
+        fails(folder.path(), &["run", "scene.toml", "--seed", seed], 2, &[&words]);
+    }
     let largest = with_scene(&with("paths = 4", "seed = \"18446744073709551615\""));
     let found = json(largest.path(), &["run", "scene.toml", "--json"]);
     assert_eq!(found["seed"].as_u64(), Some(u64::MAX));
