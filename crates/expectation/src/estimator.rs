@@ -499,10 +499,10 @@ impl<'a> Estimator<'a> {
             Some(false) if !self.noisy => Extrapolation::of_no_order(last),
             _ => extrapolation(last, orders, seen, single),
         };
-        // Rounding errors of n steps: by chance, and of solvers that stop on one side.
+        // Rounding errors of n steps: 8√n by chance, and more where solvers stop on one side.
         let steps = self.steps(self.levels.len() - 1) as f64;
         let size = samples.values[k].fine.mean().abs();
-        extrapolation.size += (8.0 * steps.sqrt() + steps) * f64::EPSILON * size;
+        extrapolation.size += 32.0 * steps.sqrt() * f64::EPSILON * size;
         let below = if single { &last[..2] } else { &[] };
         let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();
         let lost = self.levels[first..].iter().map(Samples::lost).sum::<f64>() * range;

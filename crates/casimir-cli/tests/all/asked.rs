@@ -276,6 +276,6 @@ gradient = ["s"]
     let items = items.replace("[\"s\"]", "\"s\"").replace("[\"p\"]", "\"p\"");
     assert_eq!(found(scene), found(&items));
     let wrong = items.replace("of = \"q^2\"", "of = \"r^2\"");
-    let words = ["line 16, column 6", "unknown name `r`"];
+    let words = ["line 16, column 7", "unknown name `r`"];
     fails(with_scene(&wrong).path(), &["expect", "scene.toml"], 2, &words);
 }

@@ -159,7 +159,7 @@ fn wrong_data_and_parameters_are_refused_with_their_place() {
     let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);
     let kink = KUBO.replace("w*(q^2 + p^2)/2", "p^2/2 + w*abs(q)");
     // By parameters of the drift there are likelihood ratios.
-    let jump = ORNSTEIN.replace("\"f\", \"s\"", "\"f\"") + "[observe]\na = \"p > 0.5\"\n";
+    let jump = ORNSTEIN.to_owned() + "[fit]\nparameters = \"f\"\n[observe]\na = \"p > 0.5\"\n";
     for (scene, from, to, words) in [
         (KUBO, "1.0,q,", "1.0,x,", "line 3, column 5: no observable `x`; there are p, q"),
         (

@@ -88,7 +88,7 @@ fn errors_name_the_place_and_what_would_be_right() {
         ("θ·y1", 1, 2, "unexpected character `·`: write `*`"),
         ("y1 − y2", 1, 4, "unexpected character `−`: write `-`"),
         ("y1²", 1, 3, "unexpected character `²`: write `^2`"),
-        ("y1 = 2", 1, 4, "unexpected character `=`"),
+        ("y1 = 2", 1, 4, "unexpected character `=`: write `< or >`"),
         (
             "1,5*y1",
             1,
