@@ -130,8 +130,11 @@ pub fn strings(names: &[Name]) -> Vec<String> {
 /// Values by name.
 pub type Named<T> = IndexMap<Name, At<T>>;
 
+/// A list at its place, of values at theirs.
+pub type List<T> = At<Vec<At<T>>>;
+
 /// A row of a matrix, or another list of formulas.
-pub type Formulas = At<Vec<At<Text>>>;
+pub type Formulas = List<Text>;
 
 /// The texts of formulas.
 pub fn words(formulas: &Formulas) -> Vec<String> {
@@ -212,7 +215,7 @@ one_or_list! { Few, OfFew, "a table, or a list of tables", Few::Many,
 }
 
 /// Reads a list, or its only item.
-pub(crate) fn list<'de, D, T>(deserializer: D) -> Result<At<Vec<At<T>>>, D::Error>
+pub(crate) fn list<'de, D, T>(deserializer: D) -> Result<List<T>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de> + From<String>,
@@ -226,7 +229,7 @@ where
 }
 
 /// [`list`] of a key that may be left out.
-pub(crate) fn some_list<'de, D, T>(deserializer: D) -> Result<Option<At<Vec<At<T>>>>, D::Error>
+pub(crate) fn some_list<'de, D, T>(deserializer: D) -> Result<Option<List<T>>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de> + From<String>,
