@@ -188,13 +188,15 @@ class Run(Result):
             raise SceneError(
                 "snapshots are files of the folder of a large lattice: scene.run(resume='folder')"
             )
-        # spins-PATH-STEP.npz
-        numbered = [(*map(int, file.stem.split("-")[1:]), file) for file in Path(self._folder).glob("spins-*")]
+        steps: dict[int, dict[int, Path]] = {}
+        for file in Path(self._folder).glob("spins-*-*.npz"):
+            path, step = map(int, file.stem.split("-")[1:])
+            steps.setdefault(path, {})[step] = file
+        times = list(map(float, self._arrays[0].get("t of spectra", ())))
         files: dict[tuple[int, float], Path] = {}
-        for path in sorted({path for path, _, _ in numbered}):
-            of_path = sorted((step, file) for p, step, file in numbered if p == path)
-            times = map(float, self._arrays[0]["t of spectra"])
-            files.update(((path, t), file) for t, (_, file) in zip(times, of_path, strict=False))
+        for path in sorted(steps):
+            pairs = zip(times, sorted(steps[path].items()), strict=False)
+            files.update(((path, t), file) for t, (_, file) in pairs)
         return Snapshots(files)
 
     @property
