@@ -53,8 +53,8 @@ impl Evidence<'_> {
             let apart = pairs.filter(|(by, _)| *by > DEVIATION_LIMIT).map(|(by, pair)| {
                 let [below, level] = [pair[0].level, pair[1].level];
                 let text = format!(
-                    "the coarse mean of level {level} is {by:.1} standard errors from the fine mean \
-                     of level {below}"
+                    "the coarse mean of level {level} is {by:.1} standard errors from the fine \
+                     mean of level {below}"
                 );
                 (WarningKind::Telescope, Message::new(text))
             });

@@ -33,6 +33,7 @@ pub struct Record {
 impl Record {
     /// Correlations and structure factors along each axis, by path, time, and distance or wave
     /// number; NaN after a path ended early.
+    #[must_use]
     pub fn spectra_of(records: &[Self]) -> Vec<(String, Vec<usize>, Vec<f64>)> {
         let Some(longest) = records.iter().max_by_key(|record| record.at.len()) else {
             return Vec::new();

@@ -46,6 +46,7 @@ fn pieces<T: Send>(n: usize, of: impl Fn(std::ops::Range<usize>) -> T + Sync) ->
 
 impl Means {
     /// The means at a state and a time.
+    #[must_use]
     pub fn of(lattice: &SpinLattice, y: &[Row], t: f64) -> Self {
         let (crystal, layout) = (lattice.crystal(), lattice.description().layout);
         let (sites, each) = (crystal.sites() as f64, crystal.materials.len());
@@ -140,6 +141,7 @@ impl Planes {
 impl Spectra {
     /// Correlations and structure factors of a state, along the axes with more than one cell and
     /// up to 8192.
+    #[must_use]
     pub fn of(lattice: &SpinLattice, y: &[Row]) -> Self {
         let planes = Planes::of(lattice, y);
         let axes =

@@ -32,6 +32,7 @@ pub const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 /// The last two changes c, c′ give the contraction c′/c and with it the next change c′²/c, which is
 /// the residual. It must be below the tolerance. `size` is ‖z‖₁.
 #[inline(always)]
+#[must_use]
 pub fn excess(change: f64, change_before: f64, size: f64) -> f64 {
     // A change c larger than z itself is an excursion and does not measure the contraction.
     let before = if change_before < size { change_before } else { size };

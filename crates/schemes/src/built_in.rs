@@ -120,16 +120,19 @@ impl BuiltIn {
     ];
 
     /// The scheme of this name.
+    #[must_use]
     pub fn named(id: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scheme| scheme.id() == id)
     }
 
     /// Name of the scheme.
+    #[must_use]
     pub fn id(self) -> &'static str {
         self.properties().id
     }
 
     /// Orders and long-time behaviour of the scheme.
+    #[must_use]
     pub fn properties(self) -> Properties {
         let sexp = Properties {
             id: "sexp",
@@ -194,17 +197,20 @@ impl BuiltIn {
     }
 
     /// Whether the scheme reads Lévy areas where noises do not commute.
+    #[must_use]
     pub fn is_for_areas(self) -> bool {
         self.properties().strong == StrongOrder::Areas
     }
 
     /// Whether the scheme uses fields alone, so that it is for equations [without B and
     /// H](systems::run_time::Description::plain).
+    #[must_use]
     pub fn is_for_plain(self) -> bool {
         matches!(self, Midpoint | Heun | HeunLevy | EulerMaruyama)
     }
 
     /// Behaviour over long times, in words. `constant`: B does not depend on y.
+    #[must_use]
     pub fn long_times(self, constant: bool) -> &'static str {
         match self.properties() {
             Properties { explicit: Explicitness::WhereConstant, .. } if constant => {
@@ -216,6 +222,7 @@ impl BuiltIn {
 
     /// Whether a step is explicit, so that energies drift or explode. `constant`: B does not depend
     /// on y.
+    #[must_use]
     pub fn is_explicit(self, constant: bool) -> bool {
         match self.properties().explicit {
             Explicitness::Always => true,

@@ -16,6 +16,7 @@ impl SchemeError {
     }
 
     /// The scheme is not for the system, for this reason.
+    #[must_use]
     pub fn not_for(scheme: &str, system: &str, reason: &str) -> Self {
         Self(format!("{scheme} is not for `{system}`: {reason}"))
     }

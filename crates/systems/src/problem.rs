@@ -50,26 +50,31 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
 
 impl<S, G, const D: usize> Problem<S, G, D> {
     /// The system.
+    #[must_use]
     pub fn system(&self) -> &S {
         &self.system
     }
 
     /// The damping γ.
+    #[must_use]
     pub fn damping(&self) -> &G {
         &self.damping
     }
 
     /// The initial value y(0).
+    #[must_use]
     pub fn y0(&self) -> [f64; D] {
         self.y0
     }
 
     /// System, damping, initial value and final time.
+    #[must_use]
     pub fn into_parts(self) -> (S, G, [f64; D], f64) {
         (self.system, self.damping, self.y0, self.t_end)
     }
 
     /// The final time T.
+    #[must_use]
     pub fn t_end(&self) -> f64 {
         self.t_end
     }

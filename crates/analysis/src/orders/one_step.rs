@@ -159,6 +159,28 @@ fn mean_square(
     }))
 }
 
+/// Sums of |δ|² and |y|² over states.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    difference: f64,
+    state: f64,
+    count: f64,
+}
+
+impl Squares {
+    /// Adds |δ|² and |y|² of a state.
+    fn add(&mut self, (difference, state): (f64, f64)) {
+        self.difference += difference;
+        self.state += state;
+        self.count += 1.0;
+    }
+
+    /// Means of |δ|² and |y|²; NaN if there are none.
+    fn means(&self) -> (f64, f64) {
+        (self.difference / self.count, self.state / self.count)
+    }
+}
+
 /// |δ|² and |y|² of a difference and a state, if they are finite.
 pub fn difference(delta: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     let square = |x: &[f64]| x.iter().map(|x| x * x).sum();
@@ -167,13 +189,9 @@ pub fn difference(delta: &[f64], y: &[f64]) -> Option<(f64, f64)> {
 
 /// Means of |δ|² and |y|²; NaN if there are none.
 pub fn mean_squares(squares: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
-    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-    for (of_difference, of_state) in squares {
-        square += of_difference;
-        size += of_state;
-        count += 1.0;
-    }
-    (square / count, size / count)
+    let mut sums = Squares::default();
+    squares.for_each(|of| sums.add(of));
+    sums.means()
 }
 
 /// Function that gives mean squares of differences and of states for a step size and factors of the
@@ -234,7 +252,7 @@ fn differences(
 ) -> Vec<(f64, f64)> {
     let setup = steps.setup;
     let none = setup.scheme.no_noise(setup.problem.noises);
-    let mut squares = vec![Vec::new(); amplifications.len()];
+    let mut squares = vec![Squares::default(); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let noises = amplifications
             .iter()
@@ -250,11 +268,11 @@ fn differences(
             for lane in live.paths() {
                 let square = |x: f64| x * x;
                 let errors = one.iter().zip(two).map(|(one, two)| square(one[lane] - two[lane]));
-                squares[lane].push((errors.sum(), two.iter().map(|row| square(row[lane])).sum()));
+                squares[lane].add((errors.sum(), two.iter().map(|row| square(row[lane])).sum()));
             }
         }
     }
-    squares.into_iter().map(|squares| mean_squares(squares.into_iter())).collect()
+    squares.iter().map(Squares::means).collect()
 }
 
 /// The noise of two steps τ of 32 paths, times a factor, with the areas that `none` has. Lévy areas

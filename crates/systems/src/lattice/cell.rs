@@ -37,6 +37,7 @@ impl Cell {
     /// A lattice by one of the names of [`LATTICES`]. Cubic cells are conventional ones: bcc has 2
     /// sites, fcc 4, diamond 8. a₁ and a₂ of the others make 60°; `triangular` and `hexagonal` have
     /// one site, `honeycomb` 2, `kagome` 3 and `hcp` 2.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let (origin, third) = ([0.0; 3], 1.0 / 3.0);
         let fcc = [origin, [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
@@ -61,6 +62,7 @@ impl Cell {
     }
 
     /// The place of a site in a cell.
+    #[must_use]
     pub fn place(&self, site: usize, cell: [f64; 3]) -> [f64; 3] {
         let along = |a: usize| cell[a] + self.sites[site][a];
         [0, 1, 2].map(|c| (0..3).map(|a| along(a) * self.vectors[a][c]).sum())
@@ -68,6 +70,7 @@ impl Cell {
 
     /// The pairs of a shell, each once: number 0 has the nearest neighbours, 1 the next-nearest.
     /// Cells have neighbours along the first `axes` axes.
+    #[must_use]
     pub fn pairs(&self, axes: usize, shell: usize) -> Vec<Pair> {
         let far = |axis: usize| if axis < axes { -REACH..=REACH } else { 0..=0 };
         let cells = far(2).flat_map(|z| far(1).flat_map(move |y| far(0).map(move |x| [x, y, z])));

@@ -80,11 +80,13 @@ impl Crystal {
     }
 
     /// The number of sites.
+    #[must_use]
     pub fn sites(&self) -> usize {
         self.shape.sites() * self.materials.len()
     }
 
     /// The number of its site in the cell, and the cell, of a site.
+    #[must_use]
     pub fn coordinates(&self, site: usize) -> (usize, [usize; 3]) {
         let ([along, across, _], each) = (self.shape.sizes(), self.materials.len());
         let (row, x) = (site / along, site % along);
@@ -93,6 +95,7 @@ impl Crystal {
     }
 
     /// The place of a site in units of the lattice constant.
+    #[must_use]
     pub fn place(&self, site: usize) -> [f64; 3] {
         let (b, cell) = self.coordinates(site);
         self.cell.place(b, cell.map(|cells| cells as f64))

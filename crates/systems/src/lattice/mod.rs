@@ -54,6 +54,7 @@ pub use shape::Shape;
 /// let sigma = systems::lattice::noise_at_temperature(alpha, 1.0 / beta);
 /// assert_eq!(sigma, 0.2);
 /// ```
+#[must_use]
 pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
     (2.0 * damping * temperature).sqrt()
 }
@@ -178,11 +179,13 @@ impl SpinLattice {
     }
 
     /// The numbers of cells.
+    #[must_use]
     pub fn shape(&self) -> &Shape {
         &self.sites.crystal.shape
     }
 
     /// The crystal.
+    #[must_use]
     pub fn crystal(&self) -> &Crystal {
         &self.sites.crystal
     }
@@ -215,6 +218,7 @@ impl SpinLattice {
     }
 
     /// H₀ of the spins of a tile of one path; that of a bond is shared by its spins.
+    #[must_use]
     pub fn energy_of_tile(
         &self,
         y: &[Row],
@@ -229,6 +233,7 @@ impl SpinLattice {
     }
 
     /// A spin of path p.
+    #[must_use]
     pub fn spin(&self, y: &[Row], site: usize, p: usize) -> [f64; 3] {
         if !self.is_one_path() {
             return [0, 1, 2].map(|c| y[3 * site + c][p]);

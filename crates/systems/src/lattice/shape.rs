@@ -48,16 +48,19 @@ impl Shape {
     }
 
     /// The sizes; 1 for axes that the lattice does not have.
+    #[must_use]
     pub fn sizes(&self) -> [usize; 3] {
         self.sizes
     }
 
     /// Whether an axis is periodic.
+    #[must_use]
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.periodic[axis]
     }
 
     /// The number of sites.
+    #[must_use]
     pub fn sites(&self) -> usize {
         self.sizes.iter().product()
     }
@@ -72,6 +75,7 @@ impl Shape {
     }
 
     /// The neighbour of a site along an axis, `up` or down, if there is one.
+    #[must_use]
     pub fn neighbour(&self, site: usize, axis: usize, up: bool) -> Option<usize> {
         let stride: usize = self.sizes[..axis].iter().product();
         let at = site / stride % self.sizes[axis];

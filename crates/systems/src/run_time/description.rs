@@ -40,6 +40,7 @@ pub struct Layout {
 impl Layout {
     /// Rows of one path in tiles of `tile_rows` rows, with noise m in row m. Each tile has the
     /// first components of its sites, then the second ones, and so on.
+    #[must_use]
     pub fn one_path(dimension: usize, noises: usize, site: usize, tile_rows: usize) -> Self {
         let rows = site * (dimension / site).div_ceil(WIDTH);
         let reach = rows.div_ceil(tile_rows.max(1));
@@ -48,12 +49,14 @@ impl Layout {
     }
 
     /// Whether there is more than one tile.
+    #[must_use]
     pub fn is_tiled(&self) -> bool {
         self.tile_rows < self.rows
     }
 
     /// Row and place in it of a component, on path 0. If rows belong to one path, it is its only
     /// place; otherwise path p is p places further.
+    #[must_use]
     pub fn place(&self, component: usize) -> (usize, usize) {
         if self.lanes == Lanes::Paths {
             return (component, 0);
@@ -125,6 +128,7 @@ pub struct Description {
 
 impl Description {
     /// Whether no noise moves any component, as far as that is known.
+    #[must_use]
     pub fn is_silent(&self) -> bool {
         let moves_none = |moved: &Option<Vec<usize>>| moved.as_ref().is_some_and(Vec::is_empty);
         self.additive.len() == self.noises && self.additive.iter().all(moves_none)
@@ -134,6 +138,7 @@ impl Description {
     /// invariants and no guard.
     ///
     /// ∇h is affine for a rule with one node.
+    #[must_use]
     pub fn new(name: impl Into<String>, dimension: usize, noises: usize, rule: Rule) -> Self {
         Self {
             name: name.into(),
@@ -169,12 +174,14 @@ impl Description {
 
     /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2). What
     /// [`Op::Gradient`](super::Op::Gradient) adds is then taken at (a+b)/2 too.
+    #[must_use]
     pub fn is_quadratic(&self) -> bool {
         self.rule.nodes().len() == 1
     }
 
     /// Rows of scratch for any operation. Every thread has them; operations that are derived from
     /// others are for systems with one tile, so that one large path has none for them.
+    #[must_use]
     pub fn scratch_rows(&self) -> usize {
         let derived = if self.layout.is_tiled() { 0 } else { 4 * self.layout.rows };
         derived + self.own_scratch_rows

@@ -41,21 +41,25 @@ impl Problem {
     }
 
     /// The system.
+    #[must_use]
     pub fn system(&self) -> &dyn System {
         &*self.system
     }
 
     /// The damping γ.
+    #[must_use]
     pub fn damping(&self) -> &dyn Damping {
         &*self.damping
     }
 
     /// The initial value y(0).
+    #[must_use]
     pub fn y0(&self) -> &[f64] {
         &self.y0
     }
 
     /// The final time T.
+    #[must_use]
     pub fn t_end(&self) -> f64 {
         self.t_end
     }
