@@ -1,13 +1,13 @@
 //! The instructions of a tape, and the loop that runs them.
 
-use real::Real;
+use real::{Kernel, Real, dispatch};
 
 use crate::graph::Unary;
 
 /// An operation on rows a, …, d and numbers k, l, m, see [`run`]. Every product and every sum is
-/// rounded: there is no fused multiply-add. A factor that is not wanted is one, and a difference is
-/// a sum with the factor −1, both exact: they cost no time beside the rows that are read and
-/// written.
+/// rounded: there is no fused multiply-add. A factor that is not wanted is one, which is exact. The
+/// first factor costs no time beside the rows that are read and written; the others cost up to a
+/// third of a sum of products, so that sums and differences without them are operations too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     Copy,
@@ -24,11 +24,17 @@ pub enum Operation {
     Max,
     Where,
     Add,
-    ScaleAdd,
+    Sub,
+    ScaledAdd,
     AddNumber,
     MulAdd,
+    MulSub,
+    SubMul,
+    ScaledMulAdd,
     MulAddNumber,
     MulAddMul,
+    MulSubMul,
+    ScaledMulAddMul,
 }
 
 /// The bank of scratch rows.
@@ -91,9 +97,10 @@ fn store<const W: usize>(
 macro_rules! operations {
     ($then:ident) => {
         $then! {
-            of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
-            SinBesideCos, [a], [] => Real::sin(a);
             Copy, [a], [] => a;
+            Of(Neg), [a], [] => Neg.value(a);
+            Of(Abs), [a], [] => Abs.value(a);
+            Of(Sqrt), [a], [] => Sqrt.value(a);
             Fill, [], [k] => k;
             Mul, [a b], [k] => (a * b) * k;
             Scale, [a], [k] => a * k;
@@ -103,12 +110,18 @@ macro_rules! operations {
             Min, [a b], [] => Real::min(a, b);
             Max, [a b], [] => Real::max(a, b);
             Where, [a b c d], [] => Real::where_less(a, b, c, d);
-            Add, [a b], [k _l m] => (a + b * m) * k;
-            ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;
+            Add, [a b], [k] => (a + b) * k;
+            Sub, [a b], [k] => (a - b) * k;
+            ScaledAdd, [a b], [k l m] => (a * l + b * m) * k;
             AddNumber, [a], [k l m] => (a * l + m) * k;
-            MulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
+            MulAdd, [a b c], [k] => (a * b + c) * k;
+            MulSub, [a b c], [k] => (a * b - c) * k;
+            SubMul, [a b c], [k] => (c - a * b) * k;
+            ScaledMulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
             MulAddNumber, [a b], [k l m] => (a * b * l + m) * k;
-            MulAddMul, [a b c d], [k l m] => (a * b * l + c * d * m) * k;
+            MulAddMul, [a b c d], [k] => (a * b + c * d) * k;
+            MulSubMul, [a b c d], [k] => (a * b - c * d) * k;
+            ScaledMulAddMul, [a b c d], [k l m] => (a * b * l + c * d * m) * k;
         }
     };
 }
@@ -119,9 +132,6 @@ impl Instruction {
         use {Operation::*, Unary::*};
         let Self { operation, from, numbers, .. } = self;
         macro_rules! of_one {
-            (of $($function:ident)*; $($rest:tt)*) => {
-                of_one! { $(Of($function), [a], [] => $function.value(a);)* $($rest)* }
-            };
             ($($operation:pat, [$($row:ident)*], [$($number:ident)*] => $value:expr;)*) => {
                 match operation {
                     $($operation => {
@@ -130,6 +140,8 @@ impl Instruction {
                         $(let $number = number(_at.next().copied().unwrap_or_default());)*
                         $value
                     })*
+                    Of(function) => function.value(row(from[0])),
+                    SinBesideCos => Sin.value(row(from[0])),
                 }
             };
         }
@@ -150,23 +162,9 @@ pub fn run<const W: usize>(
     let mut rest = code.iter();
     while let Some(instruction) = rest.next() {
         let Instruction { operation, to, from, numbers: at } = instruction;
-        if let (SinBesideCos, Some(next)) = (operation, rest.as_slice().first()) {
-            let a = find(from.first(), inputs, scratch, out);
-            let (mut sine, mut cosine) = ([0.0; W], [0.0; W]);
-            for p in 0..W {
-                (sine[p], cosine[p]) = Real::sin_cos(a[p]);
-            }
-            store(sine, *to, scratch, out);
-            store(cosine, next.to, scratch, out);
-            rest.next();
-            continue;
-        }
         // A plain loop over lanes for each operation. The result is a value that overlaps with no
         // operand, and so the compiler vectorises the loop and keeps the result in registers.
         macro_rules! on_lanes {
-            (of $($function:ident)*; $($rest:tt)*) => {
-                on_lanes! { $(Of($function), [a], [] => $function.value(a);)* $($rest)* }
-            };
             ($($operation:pat, [$($row:ident)*], [$($number:ident)*] => $value:expr;)*) => {
                 match operation {
                     $($operation => {
@@ -181,9 +179,67 @@ pub fn run<const W: usize>(
                         }
                         store(value, *to, scratch, out);
                     })*
+                    Of(function) => {
+                        let a = find(from.first(), inputs, scratch, out);
+                        store(dispatch(Function { function: *function, a }), *to, scratch, out);
+                    }
+                    SinBesideCos => {
+                        let a = find(from.first(), inputs, scratch, out);
+                        let (sine, cosine) = dispatch(SinCos(a));
+                        store(sine, *to, scratch, out);
+                        if let Some(next) = rest.next() {
+                            store(cosine, next.to, scratch, out);
+                        }
+                    }
                 }
             };
         }
         operations!(on_lanes);
+    }
+}
+
+/// The values of a function on a row. A kernel of its own: in the loop over instructions the
+/// compiler loads the constants of all functions into registers, for every sum and product too.
+struct Function<'a, const W: usize> {
+    function: Unary,
+    a: &'a [f64; W],
+}
+
+impl<const W: usize> Kernel for Function<'_, W> {
+    type Output = [f64; W];
+
+    #[inline(always)]
+    fn run(self) -> [f64; W] {
+        use Unary::*;
+        let mut values = [0.0; W];
+        macro_rules! on_lanes {
+            ($($function:ident)*) => {
+                match self.function {
+                    $($function => {
+                        for p in 0..W {
+                            values[p] = $function.value(self.a[p]);
+                        }
+                    })*
+                }
+            };
+        }
+        on_lanes!(Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc);
+        values
+    }
+}
+
+/// The sines and cosines of a row.
+struct SinCos<'a, const W: usize>(&'a [f64; W]);
+
+impl<const W: usize> Kernel for SinCos<'_, W> {
+    type Output = ([f64; W], [f64; W]);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (mut sines, mut cosines) = ([0.0; W], [0.0; W]);
+        for p in 0..W {
+            (sines[p], cosines[p]) = Real::sin_cos(self.0[p]);
+        }
+        (sines, cosines)
     }
 }

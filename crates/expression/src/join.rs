@@ -55,6 +55,11 @@ struct Join<'a> {
     uniform: &'a Values<bool>,
 }
 
+/// Whether the terms of a sum are subtracted, where they have no factor.
+const PLUS: [Option<bool>; 2] = [Some(false), Some(false)];
+const MINUS: [Option<bool>; 2] = [Some(false), Some(true)];
+const FROM: [Option<bool>; 2] = [Some(true), Some(false)];
+
 /// A term of a sum: the product of up to two rows and a number.
 struct Term {
     rows: Vec<Id>,
@@ -121,16 +126,24 @@ impl Join<'_> {
         let (mut first, mut second) = (self.term(a), self.term(b));
         second.factor.negative ^= minus;
         // a + b = b + a to the bit.
-        let size = |term: &Term| (term.rows.len(), term.factor.is_one());
+        let size = |term: &Term| (term.rows.len(), term.factor.id.is_none());
         if size(&first) < size(&second) {
             std::mem::swap(&mut first, &mut second);
         }
-        let operation = match (first.rows.len(), second.rows.len()) {
-            (2, 2) => MulAddMul,
-            (2, 1) => MulAdd,
-            (2, _) => MulAddNumber,
-            (_, 1) if first.factor.is_one() => Add,
-            (_, 1) => ScaleAdd,
+        let minus = |term: &Term| term.factor.id.is_none().then_some(term.factor.negative);
+        let signs = [minus(&first), minus(&second)];
+        let operation = match (first.rows.len(), second.rows.len(), signs) {
+            (2, 2, PLUS) => MulAddMul,
+            (2, 2, MINUS) => MulSubMul,
+            (2, 2, _) => ScaledMulAddMul,
+            (2, 1, PLUS) => MulAdd,
+            (2, 1, MINUS) => MulSub,
+            (2, 1, FROM) => SubMul,
+            (2, 1, _) => ScaledMulAdd,
+            (2, ..) => MulAddNumber,
+            (_, 1, PLUS) => Add,
+            (_, 1, MINUS) => Sub,
+            (_, 1, _) => ScaledAdd,
             _ => AddNumber,
         };
         let numbers = [Number::ONE, first.factor, second.factor];

@@ -93,8 +93,4 @@ pub struct Number {
 
 impl Number {
     pub const ONE: Self = Self { id: None, negative: false };
-
-    pub fn is_one(self) -> bool {
-        self.id.is_none() && !self.negative
-    }
 }

@@ -68,24 +68,28 @@ impl Truncation {
     }
 }
 
-/// Whether x is finite and beyond ±`bound`.
-#[inline(always)]
-fn is_beyond(x: f64, bound: f64) -> bool {
-    (x.abs() > bound) & (x.abs() < f64::INFINITY)
-}
-
 real::kernel! {
     /// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many
     /// rows. Returns how many are changed. Infinities and NaN stay, so that their paths fail.
     pub fn clip(dw: &'a [Row], bound: f64, clipped: &'a mut [Row]) -> u64 {
         // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;
-        for (dw, clipped) in dw.iter().zip(clipped) {
+        for (dw, clipped) in dw.iter().zip(&mut *clipped) {
             for p in 0..WIDTH {
                 let w = dw[p];
-                let beyond = is_beyond(w, bound);
-                clipped[p] = if beyond { bound.copysign(w) } else { w };
-                count = count.wrapping_add(if beyond { 1 } else { 0 });
+                // Comparisons with NaN are false, so that it stays.
+                let below = if bound < w { bound } else { w };
+                clipped[p] = if below < -bound { -bound } else { below };
+                count = count.wrapping_add(if clipped[p] != w { 1 } else { 0 });
+            }
+        }
+        if count > 0 {
+            // Rare: infinities are put back, and neither they nor NaN are counted.
+            for (dw, clipped) in dw.as_flattened().iter().zip(clipped.as_flattened_mut()) {
+                if !dw.is_finite() {
+                    *clipped = *dw;
+                    count -= 1;
+                }
             }
         }
         count

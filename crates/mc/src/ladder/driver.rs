@@ -305,7 +305,9 @@ impl<'a> Marcher<'a> {
         if !areas.is_empty() {
             clip(areas, batch.area_bound, &mut self.truncated.areas);
         }
-        self.truncated.space_time.copy_from_slice(space_time);
+        if !space_time.is_empty() {
+            self.truncated.space_time.copy_from_slice(space_time);
+        }
     }
 
     /// Takes one step of the runs of a batch, with the truncated noise of the last step of its
