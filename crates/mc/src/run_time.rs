@@ -203,10 +203,9 @@ struct Sampled<'a> {
 
 impl InTime for Sampled<'_> {
     fn values(&self, times: &Row) -> Vec<Row> {
-        let at = times.map(|t| {
-            let Coefficients { drift, noises, .. } = coefficients(self.system, t, &self.y);
-            [drift, noises.concat()].concat()
-        });
+        let (y, noises) = (&Rows::splat(&self.y)[..], self.system.description().noises);
+        let fields = |t: f64| (0..=noises).flat_map(move |k| field(self.system, t, y, k));
+        let at = times.map(|t| fields(t).map(|row| row[0]).collect::<Vec<_>>());
         (0..at[0].len()).map(|i| std::array::from_fn(|p| at[p][i])).collect()
     }
 }

@@ -219,7 +219,7 @@ fn an_interrupted_fit_goes_on() {
     let folder = with_scene(KUBO);
     let path = folder.path();
     fs::write(path.join("data.csv"), &data).expect("a file");
-    let words = ["fit", "scene.toml", "data.csv", "--path-steps", "1e8", "--threads", "1"];
+    let words = ["fit", "scene.toml", "data.csv", "--path-steps", "6e7", "--threads", "1"];
     let found = |folder: &Path| {
         let output = run(folder, &[&words[..], &["--json"]].concat());
         let mut json: Value = serde_json::from_slice(&output.stdout).expect("JSON");

@@ -270,7 +270,7 @@ fn orders_are_those_without_friction() {
         ("split", silent, 2.0),
     ] {
         let arguments =
-            ["order", "scene.toml", "--json", "--scheme", scheme, "--path-steps", "1e7"];
+            ["order", "scene.toml", "--json", "--scheme", scheme, "--path-steps", "4e6"];
         let found = json(with_scene(scene).path(), &arguments);
         assert_eq!(found["strong"]["order"], strong, "{scheme}: {}", found["strong"]["words"]);
     }

@@ -40,7 +40,7 @@ fn two_materials_are_at_the_temperature() {
 #[test]
 fn fields_depend_on_time_and_place() {
     let parameters = "sizes = [4]\nexchange = 0\nfield = [0, 0, \"cos(t) + x/2\"]\nmoment = 2";
-    let run = "[run]\ninitial = [\"cos(x)\", \"sin(x)\", 0]\nuntil = 1\nsteps = 1000\n\
+    let run = "[run]\npaths = 1\ninitial = [\"cos(x)\", \"sin(x)\", 0]\nuntil = 1\nsteps = 1000\n\
                scheme = \"sexp-li\"\ntimes = 1\ncolumns = [\"components\"]";
     let folder = with_scene(&scene(parameters, run));
     succeeds(folder.path(), &["run", "scene.toml", "--write", "npz"]);

@@ -291,11 +291,11 @@ fn statistical_magnetisation_is_that_of_spin_waves() {
             path.advance(400).unwrap();
             let batch = |_| {
                 let mut sum = 0.0;
-                for _ in 0..16 {
+                for _ in 0..8 {
                     path.advance(40).unwrap();
                     sum += 1.0 - Means::of(&lattice, path.state(), 0.0).spin[2];
                 }
-                sum / 16.0
+                sum / 8.0
             };
             let batches: Vec<f64> = (0..16).map(batch).collect();
             let mean = batches.iter().sum::<f64>() / 16.0;

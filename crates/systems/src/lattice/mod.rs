@@ -35,9 +35,10 @@ use crate::{
     cayley::cross,
     error::finite,
     paper::valid,
-    run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
+    run_time::{Description, InTime, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{CHUNK, Flow, Part};
+use field::OnSpins;
 use formulas::{OnTile, energy_on_tile};
 use layout::{OnPaths, OnePath, Sites, TILE_ROWS, TILE_SITES, place};
 
@@ -293,6 +294,24 @@ impl System for SpinLattice {
             let layout = OnPaths(sites);
             dispatch(OnTile { layout, local, damped, field, tile, op, h, out });
         }
+    }
+
+    /// What acts on some of the spins of each path, if the field depends on time.
+    fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
+        let Field::Of { of, depends_on_time: true, scratch_rows } = &self.field else {
+            return None;
+        };
+        if self.is_one_path() {
+            return None;
+        }
+        let rows = |rows: usize| vec![[0.0; WIDTH]; rows];
+        let Description { dimension, noises, .. } = self.description;
+        let (mut v, mut scratch) = (rows(dimension), rows(self.description.scratch_rows()));
+        let y: Vec<Row> = y.iter().map(|&y| [y; WIDTH]).collect();
+        let h = Weights { t: 0.0, dt: 1.0, dw: &rows(noises), areas: &[] };
+        self.apply(Op::Gradient { y: &y }, 0..dimension, h, &mut v, &mut scratch);
+        let acts = |site: usize| [0, 1, 2].map(|c| -v[3 * site + c][0]);
+        Some(Box::new(OnSpins::new(of.clone(), *scratch_rows, self.crystal(), acts)))
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {

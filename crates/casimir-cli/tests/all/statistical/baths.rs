@@ -108,7 +108,7 @@ const THROUGH: &str = "[bath]\ntemperature = 0.5\nthrough = [\"y1\", \"y2\", \"y
 /// the sum of Lyapunov exponents is −½β²Σ⟨{H₀, Φₘ}²⟩ = −0.19812 at β = 2.
 #[test]
 fn paths_of_a_body_have_the_law_and_contract_as_they_must() {
-    let body = scene(BODY, THROUGH, "[0.6, 0, 0.8]", "\"y1^2/4 + y2^2/2 + 0.75*y3^2\"", 3e-3);
+    let body = scene(BODY, THROUGH, "[0.6, 0, 0.8]", "\"y1^2/4 + y2^2/2 + 0.75*y3^2\"", 5e-3);
     let folder = with_scene(&body);
     for scheme in ["sexp", "sexp-li"] {
         let arguments = ["equilibrium", "scene.toml", "--json", "--scheme", scheme];
@@ -123,9 +123,9 @@ fn paths_of_a_body_have_the_law_and_contract_as_they_must() {
     // The twin, −H₀ in the same bath, has e^{+βH₀}: ⟨H₀⟩ = 0.534.
     let turned = BODY.replace("H0 = \"y1^2/4 + y2^2/2 + ", "H0 = \"-y1^2/4 - y2^2/2 - ");
     let energy = "\"y1^2/4 + y2^2/2 + 0.75*y3^2\"";
-    let turned = averaged(&scene(&turned, THROUGH, "[0.6, 0, 0.8]", energy, 3e-3));
+    let turned = averaged(&scene(&turned, THROUGH, "[0.6, 0, 0.8]", energy, 5e-3));
     let value = turned["estimates"][0]["value"].as_f64().unwrap();
-    assert!((value - 0.534).abs() < 0.005, "{turned:#}");
+    assert!((value - 0.534).abs() < 0.01, "{turned:#}");
 }
 
 /// Two oscillators with a spring between baths of 2 and 1: the covariance S solves AS + SAᵀ = −D,

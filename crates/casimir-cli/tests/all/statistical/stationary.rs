@@ -296,7 +296,7 @@ fn what_nobody_can_tell_is_said() {
 
 #[test]
 fn chains_go_on_from_their_checkpoint() {
-    let scene = bath("(q^2 - 1)^2", "\"q\", \"p^2\"", 0.015);
+    let scene = bath("(q^2 - 1)^2", "\"q\", \"p^2\"", 0.02);
     let found = |folder: &tempfile::TempDir| {
         let arguments = ["equilibrium", "scene.toml", "--threads", "1", "--scheme", "sexp"];
         let text = succeeds(folder.path(), &arguments);

@@ -138,7 +138,7 @@ fn wrong_samplers_are_refuted() {
         let setup = Setup { problem: mc::Problem { noises, ..of.clone() }, scheme };
         let mut averages = Equilibrium::new(setup, settings(seed, 256));
         averages.beta = Some(1.0);
-        let found = averages.run(&[&q2(), &p2()], 1e-3).unwrap();
+        let found = averages.run(&[&q2(), &p2()], 2e-3).unwrap();
         off(&found, &[Q2, 1.0]).iter().any(|off| *off > MISSES)
     };
     let sampler = || Metropolis::new(&of, &flows, 1.0).unwrap();
