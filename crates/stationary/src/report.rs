@@ -12,7 +12,7 @@ use super::{
     growth::{unsettled, wander},
     rules::{
         ALIKE, APART, BIAS_ENOUGH, BIAS_PART, DRIFTS, EXCEEDS, FORECAST, MARGIN, MIN_FALL,
-        MIN_LENGTH, NEGLIGIBLE, WIDER,
+        MIN_LENGTH, NEGLIGIBLE, SHARED, WIDER,
     },
     wells::{Watched, Well},
 };
@@ -37,6 +37,8 @@ pub struct Averages {
     pub accepted: Option<[f64; 2]>,
     /// Heat capacity β²Var(H₀) with half of its 95 % interval where steps have no bias.
     pub heat_capacity: Option<[f64; 2]>,
+    /// Reason why ⟨H₀⟩ is unknown, and so the heat capacity and derivatives by β.
+    pub energy: Option<Warning>,
     /// Number of chains.
     pub chains: usize,
     /// Length of each chain in time.
@@ -246,7 +248,27 @@ impl Averages {
             slope(name, &|run| [run * count + k, products(run), products(run) + 2 + k])
         };
         let ends = |mean: StationaryMean| [mean.mean, mean.half_width()];
-        let wells = watched.wells(&living, (count, is_average, main, chains.rows()), first);
+        let wells = |of| watched.wells(&living, of, first);
+        let stays = |mean: &mut StationaryMean, Well { of, crossings }: Well| {
+            mean.lengths = mean.lengths.min(crossings);
+            let what = Warning::new("the chains stay in wells on which it depends");
+            mean.unknown.get_or_insert(what.with_reason(format!("{of} does not forget")));
+        };
+        // Why covariances with a weight are unknown: its own average is.
+        let unknown = |weight: usize| {
+            let row = chains.products(0, weight);
+            let kept = Kept {
+                means: vec![means(0, row).collect()],
+                square: means(0, row + 1).sum::<f64>() / live as f64,
+                of_batches: 0.0,
+                time,
+            };
+            let mut mean = mean(&kept, settings.weak_order, String::new(), true);
+            let well = wells((1, true, row, chains.rows())).remove(0);
+            well.into_iter().for_each(|well| stays(&mut mean, well));
+            mean.unknown
+        };
+        let energy = beta.and_then(|_| unknown(0));
         let mut wanted = 0.0f64;
         let mean = |((k, name), well): ((usize, String), Option<Well>)| {
             let kept = kept(k);
@@ -256,8 +278,8 @@ impl Averages {
             let mut mean = mean(&kept, settings.weak_order, name, is_average);
             mean.histogram = chains.histograms.get(k).cloned();
             mean.by_beta = beta.map(|_| ends(by(0, k, String::new())));
-            if !is_average {
-                let wander = unit * wander(&living, row(k), first);
+            let wander = unit * wander(&living, row(k), first);
+            if !is_average || wander > SHARED * mean.sampling {
                 mean.sampling = hypot(mean.sampling, wander);
             }
             let (lo, hi) = mean.interval();
@@ -268,13 +290,15 @@ impl Averages {
             if let Some((lo, hi)) = reach {
                 mean.unsettled = 0.5 * (hi - lo) * unit - mean.half_width();
                 mean.mean = 0.5 * (lo + hi) * unit;
-            } else if let Some(Well { of, crossings }) = well {
-                mean.lengths = mean.lengths.min(crossings);
-                let what = Warning::new("the chains stay in wells on which it depends");
-                mean.unknown.get_or_insert(what.with_reason(format!("{of} does not forget")));
+            } else if let Some(well) = well {
+                stays(&mut mean, well);
+            }
+            if mean.unknown.is_some() || energy.is_some() {
+                mean.by_beta = None;
             }
             mean
         };
+        let wells = wells((count, is_average, main, chains.rows()));
         let means: Vec<StationaryMean> =
             of.names().into_iter().enumerate().zip(wells).map(mean).collect();
         let drifts =
@@ -304,7 +328,8 @@ impl Averages {
         let gradient = of.slopes().iter().enumerate().map(|(w, Slope { parameter, .. })| {
             let of_mean = |(k, of): (usize, &StationaryMean)| {
                 let mut slope = by(exact + w, k, format!("∂{}/∂{parameter}", of.name));
-                slope.unknown = slope.unknown.or_else(|| of.unknown.clone());
+                let why = of.unknown.clone().or_else(|| unknown(exact + w));
+                slope.unknown = slope.unknown.or(why);
                 slope
             };
             (parameter.clone(), means.iter().enumerate().map(of_mean).collect())
@@ -315,12 +340,13 @@ impl Averages {
             accuracy,
             taus: (0..levels).map(|k| tau / f64::from(1 << k)).collect(),
             accepted: beta.map(|_| chains.accepted),
-            heat_capacity: beta.map(|beta| {
+            heat_capacity: beta.filter(|_| energy.is_none()).map(|beta| {
                 let products = chains.products(0, 0);
                 let [value, half_width] =
                     ends(slope(String::new(), &|_| [products, products, products + 1]));
                 [-beta * beta * value, beta * beta * half_width]
             }),
+            energy,
             chains: live,
             time,
             burn_in: time * first as f64 / batches as f64,
@@ -373,18 +399,24 @@ fn spread(living: &Living<'_>, row: usize, batch: usize) -> f64 {
 fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
     let (all, half) = (living.batches.len(), living.batches.len() / 2);
     let last = living.sums(row, all - 1..all).map(f64::abs).fold(0.0, f64::max);
+    // The deviation of late batches that all chains share, such as a phase.
+    let shared = |b: usize| moments(living.sums(row, b..b + 1)).mean();
+    let swing = moments((half..all).map(shared)).variance().sqrt();
     // Whether the means of two ranges of batches differ.
-    let differ = |a: Range<usize>, b: Range<usize>| {
+    let differ = |a: Range<usize>, b: Range<usize>, swing: f64| {
         let (a, b) = (living.means(row, a), living.means(row, b));
         let moments = moments(a.zip(b).map(|(a, b)| a - b));
         let error = moments.variance_of_mean().sqrt();
-        moments.mean().abs() > DRIFTS * error + least.max(ROUND_OFF * last)
+        moments.mean().abs() > DRIFTS * error.max(swing) + least.max(ROUND_OFF * last)
     };
     let spread = |b: usize| spread(living, row, b);
     let usual = (half..all).map(spread).sum::<f64>() / half as f64;
-    let is_early = |b: usize| differ(b..b + 1, half..all) || spread(b) > WIDER * usual;
+    let is_early = |b: usize| differ(b..b + 1, half..all, swing) || spread(b) > WIDER * usual;
     let first = (0..half).rev().find(|&b| is_early(b)).map_or(1, |b| 2 * (b + 1));
-    (first <= half && !differ(first..(first + all) / 2, (first + all) / 2..all)).then_some(first)
+    let middle = (first + all) / 2;
+    // Of a bounded motion the ends of both ranges are left.
+    let swing = 4.0 * swing / (all - first) as f64;
+    (first <= half && !differ(first..middle, middle..all, swing)).then_some(first)
 }
 
 /// An average, or an exponent, from the means of its chains.
@@ -482,10 +514,12 @@ impl fmt::Display for Averages {
             if let Some([slope, half_width]) = mean.by_beta {
                 write!(f, ", d/dβ {} ± {half_width:.1e}", written(slope, half_width))?;
             }
-            if let Some(time) = autocorrelation_time.filter(|_| mean.deviation > 0.0) {
+            if let Some(time) = autocorrelation_time.filter(|time| *time > 0.0) {
                 write!(f, ", autocorrelation time {}", short(time))?;
             }
-            if let Some(samples) = mean.effective_samples.filter(|_| mean.deviation > 0.0) {
+            if let Some(samples) =
+                mean.effective_samples.filter(|samples| mean.deviation > 0.0 && samples.is_finite())
+            {
                 write!(f, ", {samples:.1e} effective samples")?;
             }
             writeln!(f)?;
@@ -517,6 +551,9 @@ impl fmt::Display for Averages {
         if let Some([value, half_width]) = self.heat_capacity {
             let value = written(value, half_width);
             writeln!(f, "heat capacity Var(H0)/kT² = {value} ± {half_width:.1e}")?;
+        }
+        if let Some(why) = &self.energy {
+            writeln!(f, "heat capacity: cannot tell: {why}")?;
         }
         if let Some([by_energy, by_noise]) = accepted {
             let percent = |part: &f64| format!("{:.1} %", 100.0 * part);

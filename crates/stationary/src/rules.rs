@@ -13,6 +13,9 @@ pub const DRIFTS: f64 = 3.5;
 /// Largest variance over the chains of a batch after the burn-in, over that of late ones. Without
 /// it chains that begin far apart around the right mean count from the beginning.
 pub const WIDER: f64 = 3.0;
+/// Half-widths by which the motion that all chains share exceeds that of an average. Without it an
+/// orbit that noise does not reach has the average of its last turn with no error.
+pub const SHARED: f64 = 10.0;
 /// Number of deviations from the mean that a histogram reaches.
 pub const REACH: f64 = 6.0;
 

@@ -108,6 +108,7 @@ fn further(scene: &Scene, beta: f64, compact: bool) -> String {
     let integral = match growth(system, &y0, beta) {
         _ if compact => "it has an integral: leaves are compact".into(),
         Growth::Everywhere => "it has an integral, as far as H0 was looked at: H0 grows".into(),
+        Growth::Falls(_) => "it has no integral: H0 falls without bound".into(),
         Growth::NotAlong(Some(i)) => {
             format!("it has no integral, unless {} is an angle: H0 does not grow with it", name(i))
         }

@@ -1,7 +1,7 @@
 //! Averages over the stationary law, and Lyapunov exponents.
 
 use casimir::{
-    inspect::facts::{gibbs_marginal, is_divergence_free},
+    inspect::facts::{Growth, gibbs_marginal, growth, is_divergence_free},
     mc::{Friction, RunError},
     plot::figure::{Trace, lines},
     stationary::{self, Averages, EquilibriumSettings, StationaryMean},
@@ -204,6 +204,15 @@ fn average(
     // That of exact averages is known by now.
     let beta = equilibrium.beta.or_else(|| model.bath()?.beta);
     let kt = beta.map(|beta| 1.0 / beta);
+    // Exact moves follow no path, so that chains would leave for ever; others fail.
+    if let Some(beta) = equilibrium.beta
+        && let Growth::Falls(i) = growth(model.system(), &scene.problem().y0, beta)
+    {
+        let along = i.map_or(String::new(), |i| format!(" along {}", scene.components[i]));
+        let words =
+            format!("no stationary law: H0 falls without bound{along}, so that exp(-H0/kT)");
+        return Err(Failure::Run(format!("{words} has no integral")));
+    }
     equilibrium.components.clone_from(&scene.components);
     equilibrium.watched = observed(&scene.energy);
     equilibrium.checkpoint = store.samples();

@@ -269,3 +269,72 @@ steps = 256
     let driven = small.replace("k*x^2/2", "k*x^2/2 - 1e-12*cos(1e6*t)*x");
     fails(with_scene(&driven).path(), &["lyapunov", "scene.toml"], 2, &["make its phase a"]);
 }
+
+/// Heat capacities and derivatives by β are covariances with H₀: unknown where H₀ is. Chains in a
+/// cold double well, and those of spins of different lengths, whose covariance has the spread of
+/// their leaves in it; the twin is one length, with C = x²(1/x² − 1/sinh²x) for x = 1/kT.
+#[test]
+fn heat_capacities_need_an_energy_that_is_known() {
+    let spin = |start: &str| {
+        format!(
+            "[system]\nstate = [\"s[1..3]\"]\nB = \"spins\"\nH0 = \"-s3\"\n\
+             [bath]\ntemperature = 0.5\ntransverse = {{ s = 0.2 }}\n\
+             [run]\ninitial = [0, 0, {start}]\nuntil = 20\nsteps = 1000\n"
+        )
+    };
+    let well = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\n\
+                H0 = \"p^2/2 + q^4 - 2*q^2 + 0.1*q\"\n\
+                [bath]\ntemperature = 0.05\nfriction = { p = 0.5 }\n\
+                [run]\ninitial = [0.3, 0]\nuntil = 20\nsteps = 1000\n";
+    let found = |scene: &str, of: &str| {
+        let arguments = ["equilibrium", "scene.toml", "--json", "--of", of, "--accuracy", "0.02"];
+        json(with_scene(scene).path(), &arguments)
+    };
+    for (scene, of) in [(well, "p^2"), (&spin("\"1 + u1\""), "s1")] {
+        let found = found(scene, of);
+        assert!(found["heat_capacity"].is_null() && !found["energy"].is_null(), "{found:#}");
+        assert!(found["estimates"][0]["by_beta"].is_null(), "{found:#}");
+    }
+    let found = found(&spin("1"), "s3");
+    let [capacity, half] = [0, 1].map(|k| found["heat_capacity"][k].as_f64().unwrap());
+    let exact = 1.0 - (2.0 / 2f64.sinh()).powi(2);
+    assert!((capacity - exact).abs() < 1.6 * half && half < 0.05 && found["energy"].is_null());
+    assert!(!found["estimates"][0]["by_beta"].is_null(), "{found:#}");
+}
+
+/// A pair of complex exponents turns tangents, by the same phase on all chains; an oscillator that
+/// no noise reaches goes round. Neither is a drift, and the phase is in the interval.
+#[test]
+fn bounded_motion_is_no_drift() {
+    let oscillator = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\n\
+                      H0 = \"p^2/2 + q^2/2\"\n[bath]\ntemperature = 1\nfriction = { p = 0.5 }\n\
+                      [run]\ninitial = [0, 0]\nuntil = 20\nsteps = 2000\n";
+    let arguments = ["lyapunov", "scene.toml", "--json", "--count", "2", "--path-steps", "2e7"];
+    let found = json(with_scene(oscillator).path(), &arguments);
+    let two = "[system]\nstate = [\"q[1..2]\", \"p[1..2]\"]\nB = \"canonical(q, p)\"\n\
+               H0 = \"dot(p, p)/2 + dot(q, q)/2\"\n[bath]\ntemperature = 1\n\
+               friction = { p1 = 0.5 }\n[run]\ninitial = [1, 2, 0, 0]\nuntil = 20\nsteps = 1000\n";
+    let of = ["--json", "--of", "q1^2", "--of", "q2^2", "--accuracy", "0.02"];
+    let turns = json(with_scene(two).path(), &[&["equilibrium", "scene.toml"], &of[..]].concat());
+    for (found, k, exact) in
+        [(&found, 0, -0.25), (&found, 1, -0.25), (&turns, 0, 1.0), (&turns, 1, 2.0)]
+    {
+        let number = |key: &str| found["estimates"][k][key].as_f64().unwrap();
+        let off = (number("value") - exact).abs() / number("half_width");
+        assert!(off < 1.6 && found["reached"] == true, "{k}: {found:#}");
+    }
+}
+
+#[test]
+fn energies_that_fall_without_bound_have_no_law() {
+    for potential in ["- q^4", "- q^2/2", "+ q^3"] {
+        let scene = format!(
+            "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"p^2/2 {potential}\"\n\
+             [bath]\ntemperature = 1\nfriction = {{ p = 0.5 }}\n\
+             [run]\ninitial = [0.1, 0]\nuntil = 10\nsteps = 200\n"
+        );
+        let folder = with_scene(&scene);
+        let words = ["falls without bound along q", "no integral"];
+        fails(folder.path(), &["equilibrium", "scene.toml", "--of", "q^2"], 1, &words);
+    }
+}

@@ -32,6 +32,8 @@ pub struct Span {
 pub enum Growth {
     /// In all directions looked at, so that e^{−βH₀} seems to have an integral.
     Everywhere,
+    /// It falls without bound along this component; `None` for another direction.
+    Falls(Option<usize>),
     /// Too little along this component, counted from 0; `None` for another direction.
     NotAlong(Option<usize>),
     /// Not known.
@@ -149,6 +151,12 @@ pub fn growth(system: &dyn System, y0: &[f64], beta: f64) -> Growth {
             false => beta * (pair[1] - pair[0]),
         });
         if !growth.clone().next().is_some_and(|last| last > least) {
+            let falls: Vec<f64> = growth.clone().take(LAST).collect();
+            if falls.last().is_some_and(|fall| *fall < 0.0)
+                && falls.windows(2).all(|pair| pair[0] < 2.0 * pair[1])
+            {
+                return Growth::Falls(component);
+            }
             return match growth.take(LAST).all(|one| one > 0.0) {
                 true => Growth::Unknown,
                 false => Growth::NotAlong(component),
