@@ -110,10 +110,11 @@ impl Constants {
             let (Parameter::One(_), false) = (&**value, is_word) else { continue };
             let value = constant(&value.texts()[0], &none).map_err(|wrong| {
                 const MESSAGE: &str =
-                    "parameters are numbers and cannot use other parameters: write the value";
+                    ": parameters are numbers and cannot use other parameters: write the value";
                 let unknown =
                     system.parameters.keys().map(|other| format!("unknown name `{}`", **other));
-                unknown.fold(wrong, |wrong, words| wrong.instead(&words, MESSAGE))
+                unknown
+                    .fold(wrong, |wrong, words| wrong.instead(&words, &(words.clone() + MESSAGE)))
             })?;
             if **key == "t" {
                 refuse!(key, "`t` is the time in the rate of damping");
