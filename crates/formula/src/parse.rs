@@ -408,7 +408,12 @@ impl<'a> Parser<'a> {
     fn indexed(&mut self, name: &str, at: Range<usize>) -> Parsed {
         let open = self.place();
         self.skip("[");
-        let (index, place) = self.whole(OR)?;
+        let is_known =
+            ["", "1"].iter().any(|k| self.names.meaning(&format!("{name}{k}")).is_some());
+        let (index, place) = match self.whole(OR) {
+            Err(_) if !is_known => return self.error(format!("`{name}` is no vector"), at),
+            whole => whole?,
+        };
         let end = self.place().end;
         match self.token() {
             token @ "]" => self.skip(token),

@@ -62,6 +62,7 @@ pub struct SystemTable {
     pub parameters: Named<Parameter>,
     /// The names of the components of y. `q[1..3]` stands for q1, q2, q3 and makes them a vector q,
     /// `s[xyz]` stands for sx, sy, sz, and `s[1..2][xyz]` for two such vectors s1 and s2.
+    #[serde(default, deserialize_with = "some_list")]
     pub state: Option<At<Vec<Name>>>,
     /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal. Or
     /// a sum of blocks: `canonical(q, p)`, `spins(s1, s2)` and `rigid`, which is B(y)v = y × v.
@@ -78,6 +79,7 @@ pub struct SystemTable {
     /// The drift, a formula for each component. Without B, H0 and H it is that of the system, and
     /// damping comes besides; with them it is that of the whole equation, damping included, which
     /// is compared with them.
+    #[serde(default, deserialize_with = "some_list")]
     pub drift: Option<Formulas>,
     /// The noise fields, a list of formulas for each noise, likewise.
     pub noise: Option<Vec<Formulas>>,
@@ -111,7 +113,7 @@ pub struct DampingTable {
 #[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BathTable {
-    /// kT, a formula in t and the parameters.
+    /// kT, a formula in t and the parameters; on a lattice it is constant.
     pub temperature: At<Text>,
     /// Functions Φ(y) through which it acts: the noise B∇Φ ∘ (dW + u dt) with u = −{H₀, Φ}/2kT.
     #[serde(default, deserialize_with = "items")]

@@ -31,6 +31,19 @@ pub fn parse(text: &str) -> Read<SceneFile> {
             .message()
             .replace("unknown field", "unknown key")
             .replace("missing field", "missing key");
+        let span = error.span().unwrap_or_default();
+        let (before, rest) = text.split_at_checked(span.start).unwrap_or_default();
+        let item = rest.get(..span.len()).unwrap_or_default();
+        let message = match message.strip_prefix("invalid type: ") {
+            Some(of) if of.ends_with("expected a map") && !of.starts_with("sequence") => format!(
+                "got {item}, where values have names: write {{ p = {item} }}, with a name such as \
+                 that of a component for p"
+            ),
+            Some(of) if of.contains("expected a sequence") || of.contains("expected an array") => {
+                wanted_list(before.trim_end(), item, rest)
+            }
+            _ => message,
+        };
         // A key that is missing somewhere has no place.
         let place =
             error.span().filter(|span| !span.is_empty() || !message.starts_with("missing key"));
@@ -44,6 +57,24 @@ pub fn parse(text: &str) -> Read<SceneFile> {
         };
         Wrong::new(place, message + &hint)
     })
+}
+
+/// The error for an item in the place of a list, which may be one of several in a list.
+fn wanted_list(before: &str, item: &str, rest: &str) -> String {
+    let mut quoted = false;
+    let mut ends = |c| {
+        quoted ^= c == '"';
+        !quoted && matches!(c, ']' | '\n')
+    };
+    let items = match before.ends_with('[') {
+        true => rest.split(&mut ends).next().unwrap_or(item).trim(),
+        false if before.trim_end_matches(['=', ' ']).ends_with("noise") => item,
+        false => return format!("got {item}, where a list is wanted: write [{item}]"),
+    };
+    format!(
+        "got {item}, where a list is wanted for each noise, row or pair: write [[{items}]], a list \
+         of lists"
+    )
 }
 
 /// Whether tables may have a column of this name beside components and observables: what a row is
@@ -77,7 +108,14 @@ impl Constants {
             // The name of a lattice is a word.
             let is_word = system.name.is_some() && **key == "lattice";
             let (Parameter::One(_), false) = (&**value, is_word) else { continue };
-            let value = constant(&value.texts()[0], &none)?;
+            let value = constant(&value.texts()[0], &none).map_err(|wrong| {
+                const MESSAGE: &str =
+                    ": parameters are numbers and cannot use other parameters: write the value";
+                let unknown =
+                    system.parameters.keys().map(|other| format!("unknown name `{}`", **other));
+                unknown
+                    .fold(wrong, |wrong, words| wrong.instead(&words, &(words.clone() + MESSAGE)))
+            })?;
             if **key == "t" {
                 refuse!(key, "`t` is the time in the rate of damping");
             }

@@ -50,6 +50,14 @@ impl Wrong {
         Self { message: message.to_string(), place: place.into(), part: None }
     }
 
+    /// This error, with another message if its own begins with these words.
+    pub fn instead(self, words: &str, message: &str) -> Self {
+        match self.message.starts_with(words) {
+            true => Self { message: message.into(), ..self },
+            false => self,
+        }
+    }
+
     /// An error in a part of a formula.
     fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
         let part = Some((formula.0.clone(), error.span.clone()));
@@ -62,6 +70,10 @@ impl Wrong {
             "unknown function `integral`" | "unknown function `average`" => {
                 "this is an observable of its own: give it a name, a = \"integral(v)\", and \
                  use that"
+            }
+            "`E` is no vector" | "unknown function `E`" => {
+                "`E` is neither a vector nor a function: write what it is of, x for E[x]; \
+                 expectations are taken of that"
             }
             _ if error.unknown_name.as_deref() == Some("t") => {
                 "unknown name `t`: time is known in H0, H, the rate and observables"

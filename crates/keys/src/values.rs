@@ -270,6 +270,10 @@ impl Values {
     pub fn new(text: &str) -> Result<Self, String> {
         let ends: Vec<&str> = text.split(':').map(str::trim).collect();
         match ends[..] {
+            [range] if range.contains("..") => {
+                let range = range.replace("..", ":");
+                Err(format!("{text} is no number: a range is {range}:N, where N values are taken"))
+            }
             [_] => Ok(Self(text.split(',').map(|value| value.trim().into()).collect())),
             [from, to, number] => {
                 let number_of = |end: &str| match end.parse() {

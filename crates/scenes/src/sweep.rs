@@ -211,12 +211,20 @@ pub struct Changed {
 
 impl Nearby {
     /// Scenes near one, in each of which a parameter of its gradient has another value.
-    pub(super) fn of(Scene { source, changes, gradient, .. }: &Scene, by: &[f64]) -> Read<Self> {
+    pub(super) fn of(scene: &Scene, by: &[f64]) -> Read<Self> {
+        let Scene { source, changes, gradient, components, .. } = scene;
         let mut file = settled(source, changes)?;
         let numbers = Constants::new(&file.system)?.numbers;
         let mut generic = Vec::new();
         for (k, (name, change)) in gradient.iter().zip(by).enumerate() {
             let Some((_, value)) = numbers.iter().find(|(known, _)| known == name) else {
+                if components.contains(name) {
+                    refuse!(
+                        None,
+                        "`{name}` is a component, no parameter: make its initial value one, \
+                         initial = [\"{name}0\"], and ask for {name}0"
+                    );
+                }
                 let known: Vec<&str> = numbers.iter().map(|(known, _)| &known[..]).collect();
                 refuse!(None, "no parameter `{name}` to differentiate by{}", among(name, &known));
             };

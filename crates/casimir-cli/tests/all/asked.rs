@@ -275,6 +275,10 @@ gradient = ["s"]
     let items = scene.replace("[\"s*q\"]", "\"s*q\"").replace("[\"q^2\"]", "\"q^2\"");
     let items = items.replace("[\"s\"]", "\"s\"").replace("[\"p\"]", "\"p\"");
     assert_eq!(found(scene), found(&items));
+    let plain = "[system]\nstate = [\"x\"]\ndrift = [\"-x\"]\nnoise = [[\"0.3\"]]\n[run]\n\
+                 initial = [1]\nuntil = 1\nsteps = 32\n[expect]\nof = \"x\"\naccuracy = 0.05\n";
+    let single = plain.replace("[\"x\"]", "\"x\"").replace("[\"-x\"]", "\"-x\"");
+    assert_eq!(found(plain), found(&single));
     let wrong = items.replace("of = \"q^2\"", "of = \"r^2\"");
     let words = ["line 16, column 7", "unknown name `r`"];
     fails(with_scene(&wrong).path(), &["expect", "scene.toml"], 2, &words);

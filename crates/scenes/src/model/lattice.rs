@@ -73,7 +73,12 @@ pub fn bath(reading: &Reading, each: usize) -> Read<Option<(Vec<f64>, f64)>> {
         );
     };
     // The same at all times: t is no name here.
-    let value = |text: &At<Text>| reading.constants.value(text);
+    const CONSTANT: &str =
+        "the temperature and damping of a lattice are constant: write them without t";
+    let value = |text: &At<Text>| {
+        let value = reading.constants.value(text);
+        value.map_err(|wrong| wrong.instead("unknown name `t`", CONSTANT))
+    };
     let (alphas, kt) =
         (alphas.into_iter().map(value).collect::<Read<Vec<_>>>()?, value(temperature)?);
     if let Some(alpha) = alphas.iter().find(|alpha| kt < 0.0 || **alpha <= 0.0) {
