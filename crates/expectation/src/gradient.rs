@@ -12,10 +12,10 @@ use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, golden};
 use schemes::{About, Method, Step, Stepper};
-use stats::worse;
+use stats::{Warning as Message, worse};
 use systems::Damping;
 
-use super::{Candidate, Expect, Expectation};
+use super::{Candidate, Expect, Expectation, Warning, WarningKind, short};
 use mc::{Observe, Problem, RunError, Setup};
 
 /// A problem in which one parameter is changed a little.
@@ -38,7 +38,7 @@ pub struct Nearby<'a> {
 const APART: f64 = 1e-3;
 /// Part of a derivative that curvature may add at distances of 10⁻⁷ or 10⁻⁶.
 const CURVATURE: f64 = 1e-6;
-/// Rounding errors of φ over it.
+/// Rounding errors of φ over it; of n steps √n/2 times as much, as those of values are bounded.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 /// Distance of initial values, over their size, by which growth is seen.
 const SEPARATION: f64 = 1e-10;
@@ -85,13 +85,25 @@ impl<'a> Expect<'a> {
     /// 10⁻⁶ of it, or what curvature is known to add, and rounding errors of φ over the change, of
     /// each value its offset, which is taken out.
     pub(super) fn bound(&self, found: &mut Expectation) {
+        let t_end = self.candidates[0].setup.problem.t_end;
+        let steps = found.levels.iter().map(|level| t_end / level.tau).fold(1.0, f64::max);
+        let round_off = ROUND_OFF * (0.5 * steps.sqrt()).max(1.0);
         for (one, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
             // One without a mean has no bound.
             for (own, slope) in
                 found.estimates.iter_mut().zip(slopes).filter(|(_, slope)| slope.value.is_finite())
             {
-                let rounding = ROUND_OFF * own.value.abs() / one.change.abs();
-                slope.bias_bound += one.curvature.max(CURVATURE) * slope.value.abs() + rounding;
+                let rounding = round_off * own.value.abs() / one.change.abs();
+                let least = one.curvature.max(CURVATURE) * slope.value.abs() + rounding;
+                let was_reached = slope.half_width() <= found.accuracy;
+                slope.bias_bound += least;
+                if was_reached && slope.half_width() > found.accuracy {
+                    let what = "the change of the parameter alone leaves an error";
+                    let message = Message::new(format!("{what} up to {}", short(least)))
+                        .with_remedy("ask for less accurate derivatives");
+                    Warning { kind: WarningKind::Level, observables: vec![], message }
+                        .add_to(&mut found.warnings, &slope.name);
+                }
                 let shift = slope.value * one.offset;
                 own.value -= shift;
                 own.bias_bound += shift.abs();

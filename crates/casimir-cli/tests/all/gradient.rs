@@ -575,3 +575,27 @@ fn payoffs_with_a_kink_have_derivatives_where_paths_reach_them() {
     are(&payoff(0.2), &[("a", 0, -0.129_233_6)]);
     fails(with_scene(&payoff(9.0)).path(), &["expect", "scene.toml"], 1, &["not to be believed"]);
 }
+
+/// Rounding errors of many steps are divided by the change of a parameter, which is in the interval;
+/// what no step can reach is said.
+#[test]
+fn derivatives_without_noise_know_their_rounding() {
+    let scene = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\n\
+                 H0 = \"p^2/2 + w^2*q^2/2\"\nparameters = { w = 1.5 }\n\
+                 [run]\ninitial = [1, 0]\nuntil = 1\nsteps = 64\n\
+                 [expect]\nof = [\"q\"]\ngradient = [\"w\"]\n";
+    for (accuracy, more, code) in
+        [("1e-5", &[][..], 0), ("3e-7", &[], 1), ("1e-8", &["--coarsest-steps", "262144"], 1)]
+    {
+        let folder = with_scene(scene);
+        let arguments = ["expect", "scene.toml", "--json", "--accuracy", accuracy];
+        let output = run(folder.path(), &[&arguments, more].concat());
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(output.status.code(), Some(code), "{found:#}");
+        let [value, half] = derivative(&found, "w", 0);
+        assert!((value + 1.5f64.sin()).abs() < half, "{accuracy}: {value} ± {half}");
+        let warnings = found["warnings"].to_string();
+        let said = warnings.contains("the change of the parameter alone");
+        assert_eq!(said, code == 1, "{found:#}");
+    }
+}
