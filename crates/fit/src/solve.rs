@@ -389,14 +389,14 @@ fn judged(to: &Whitening, names: &[String], found: &Point, effort: Effort) -> Fi
     }
 }
 
-/// The combination of parameters that changes no moment, if there is one.
+/// The parameter or the combination of parameters that changes no moment, if there is one.
 fn unidentified<E>(to: &Whitening, names: &[String], found: &Point) -> Option<FitError<E>> {
     let Point { replicates, mean, singular, .. } = found;
     let all = replicates.len() as f64;
-    let hidden = |k: &usize| {
-        let (direction, s) = (singular.direction(*k), singular.values[*k]);
+    // Whether moments change by s along a direction, up to Monte Carlo errors.
+    let hidden = |direction: &[f64], s: f64| {
         let along = |of: &Replicate| -> Vec<f64> {
-            let sum = |i| of.slopes.iter().zip(&direction).map(|(row, v)| row[i] * v).sum();
+            let sum = |i| of.slopes.iter().zip(direction).map(|(row, v)| row[i] * v).sum();
             (0..of.values.len()).map(sum).collect()
         };
         let whole = along(mean);
@@ -404,16 +404,25 @@ fn unidentified<E>(to: &Whitening, names: &[String], found: &Point) -> Option<Fi
         let error = replicates.iter().map(apart).sum::<f64>() / (all * (all - 1.0).max(1.0));
         s * s <= SEEN * SEEN * error
     };
-    let k = (0..names.len()).rev().find(hidden)?;
-    let direction = singular.direction(k);
-    let involved: Vec<usize> = (0..names.len())
+    let of = |k: usize| (singular.direction(k), singular.values[k]);
+    let (mut direction, _) = (0..names.len()).rev().map(of).find(|(v, s)| hidden(v, *s))?;
+    let mut involved: Vec<usize> = (0..names.len())
         .filter(|j| {
             let length = singular.lengths[*j];
             direction[*j].abs() * if length > 0.0 { length } else { 1.0 } > LEAST
         })
         .collect();
+    // The errors of a parameter that changes nothing look like the changes of others.
+    let unit = |j: usize| (0..names.len()).map(|i| f64::from(u8::from(i == j))).collect::<Vec<_>>();
+    if let Some(&j) = involved.iter().find(|j| hidden(&unit(**j), singular.lengths[**j])) {
+        (direction, involved) = (unit(j), vec![j]);
+    }
     let mut words = String::from("the data do not tell the parameters apart: ");
     _ = match involved[..] {
+        [j] if singular.lengths[j] > 0.0 => {
+            let name = &names[j];
+            write!(words, "they change with `{name}` by no more than sampling errors; fix it")
+        }
         [j] => write!(words, "they do not depend on `{}`; fix it", names[j]),
         [j, l] => {
             let ratio = -direction[j] / direction[l];

@@ -38,6 +38,11 @@ const LAST_PILOT: u32 = 8;
 /// is at most this part of the wanted one.
 const AHEAD: u32 = 3;
 const ENOUGH: f64 = 1.0 / 8.0;
+/// Part of the wanted error below which differences of the reference need not fall: often they are
+/// rounding errors.
+const SETTLED: f64 = 1e-3;
+/// Relative standard error below which squares are the same on all paths, but for rounding.
+const SAME: f64 = 1e-7;
 /// Rungs of the reference: its error is estimated from the last two differences.
 const REFERENCES: usize = 3;
 /// Largest part of an error that the error of the reference may be.
@@ -76,9 +81,11 @@ struct Climber<'a> {
 }
 
 impl Climber<'_> {
-    /// Whether finer steps are needed: no error is at most that asked with its whole interval.
+    /// Whether finer steps are needed: no error is at most that asked with its whole interval, or a
+    /// part of it where the reference does not resolve the error.
     fn climbs(&self) -> bool {
-        let reached = |point: &ErrorPoint| point.resolved && point.hi <= self.asked;
+        let part = |resolved| if resolved { 1.0 } else { ENOUGH };
+        let reached = |point: &ErrorPoint| point.hi <= part(point.resolved) * self.asked;
         self.excluded.is_none() && !self.points.iter().any(reached)
     }
 }
@@ -279,7 +286,7 @@ impl<'a> Climb<'a> {
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();
-        let of_reference = left(rms(1), root_mean_square(&moments, 0));
+        let of_reference = left(rms(1), root_mean_square(&moments, 0), settings.error);
         let mut squares = (REFERENCES..).step_by(2);
         let point = |(rung, square): (u32, usize)| {
             let [lo, error, hi] = root_mean_square(&moments, square);
@@ -390,11 +397,11 @@ fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
 }
 
 /// The root of a mean square between the ends of its bootstrap-t interval of 95 %, which fewer than
-/// 32 paths do not have.
+/// 32 paths do not have. Without noise all are the value.
 fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
     let value = squares.mean(index).sqrt();
-    if value == 0.0 {
-        return [0.0; 3];
+    if squares.standard_error(index) <= SAME * squares.mean(index) {
+        return [value; 3];
     }
     let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
     [lo, value, hi]
@@ -403,13 +410,15 @@ fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
 /// Upper bound of the error at the finest of three step sizes from the root-mean-square differences
 /// of successive ones, d₁ = |y_{4τ} − y_{2τ}| and d₀ = |y_{2τ} − y_τ|: the sum of the differences
 /// that would follow, d₀/(2^p − 1) with p = log₂(d₁/d₀), at most 1 and at least ½, for the upper
-/// end of d₀. Infinite if the differences do not fall.
-fn left(before: f64, [_, last, most]: [f64; 3]) -> f64 {
+/// end of d₀. If the differences do not fall, p is ½ for the larger one where both are far below
+/// the `wanted` error, as rounding errors are; otherwise it is infinite.
+fn left(before: f64, [_, last, most]: [f64; 3], wanted: f64) -> f64 {
     const FALLS: f64 = 0.25;
     let p = log2(before / last);
     match last {
         0.0 => 0.0,
-        _ if p >= FALLS => most.max(last) / (exp2(p.clamp(0.5, 1.0)) - 1.0),
+        _ if p >= FALLS && most.is_finite() => most.max(last) / (exp2(p.clamp(0.5, 1.0)) - 1.0),
+        _ if before.max(last) <= SETTLED * wanted => before.max(last) / (exp2(0.5) - 1.0),
         _ => f64::INFINITY,
     }
 }
@@ -420,12 +429,14 @@ mod tests {
 
     #[test]
     fn what_follows_a_difference_is_bounded_where_differences_fall() {
-        let of = |before: f64, last: f64| left(before, [last, last, last]);
+        let of = |before: f64, last: f64| left(before, [last, last, last], 0.1);
         // Order one leaves the last difference, order ½ 1/(√2 − 1) of it, and no order is trusted
         // beyond one.
         assert_eq!((of(2.0, 1.0), of(8.0, 1.0), of(1.0, 0.0)), (1.0, 1.0, 0.0));
         assert!((of(2f64.sqrt(), 1.0) - (1.0 + 2f64.sqrt())).abs() < 1e-12);
         assert!(of(1.1, 1.0).is_infinite() && of(1.0, f64::NAN).is_infinite());
-        assert_eq!(left(2.0, [0.5, 1.0, 1.5]), 1.5);
+        assert_eq!(left(2.0, [0.5, 1.0, 1.5], 0.1), 1.5);
+        // Rounding errors.
+        assert!(of(1e-16, 2e-16) < 5e-16 && of(0.0, 1e-16) < 3e-16 && of(0.0, 1e-3).is_infinite());
     }
 }

@@ -40,9 +40,10 @@
 //! same noise; N₀ is the first number at which none of 64 paths of it fails. A scheme that has the
 //! wanted error gets no finer steps. The ladder ends when all have it, six halvings after the first
 //! one has it, or when the budget is spent: [`Comparison::stopped`]. The steps of the reference are
-//! halved with them until its error is an eighth of the wanted one. Errors are the same bits for
-//! the same seed, unless the budget stops them. An error that was not reached is not priced; the
-//! steps that it needs are extrapolated and marked. Where paths at τ and τ/2 part
+//! halved with them until its error is an eighth of the wanted one; its differences have to fall
+//! unless they are below 10⁻³ of the wanted error, as rounding errors may be. Errors are the
+//! same bits for the same seed, unless the budget stops them. An error that was not reached is not
+//! priced; the steps that it needs are extrapolated and marked. Where paths at τ and τ/2 part
 //! ([`Sampled::parts`]), no strong error is predicted.
 //!
 //! **Costs** are processor times of the block kernels on one thread (wall times where threads have

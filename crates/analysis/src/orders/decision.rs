@@ -18,7 +18,8 @@ pub enum Decision {
         /// the last difference.
         shown: bool,
     },
-    /// Differences between step sizes are rounding errors: the scheme conserves the function.
+    /// Differences between step sizes are rounding errors: the scheme conserves the function, or is
+    /// exact.
     Kept,
     /// The scheme converges to something else.
     WrongLimit,
@@ -48,17 +49,30 @@ const WIDEST: f64 = 0.5;
 const HIDDEN: f64 = 0.1;
 /// Rounding errors of a step as a part of the size.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+/// Exponent of the step size with which rounding errors do not fall; errors have ½ at least.
+const FALLS: f64 = 0.25;
 
 pub fn undecided(more: More, because: impl Into<String>) -> Decision {
     Decision::Undecided { because: because.into(), more }
 }
 
-/// Whether the differences after `steps` steps are rounding errors of a function of size `size`.
-pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
-    let rounding = ROUND_OFF * steps as f64 * size.abs();
+/// Rounding errors of `steps` steps of a function of size `size`.
+pub fn rounding(steps: u64, size: f64) -> f64 {
+    ROUND_OFF * steps as f64 * size.abs()
+}
+
+/// Whether differences are rounding errors of this size.
+pub fn kept(differences: &CrossMoments, rounding: f64) -> bool {
     differences.count() > 1
         && (0..differences.length())
             .all(|k| differences.mean(k).abs() + 2.0 * differences.standard_error(k) <= rounding)
+}
+
+/// Whether a scheme is exact: squared differences are those of rounding errors and do not fall.
+pub fn exact(squares: &CrossMoments, rounding: f64, rate: Option<&Rate>, limit: Limit) -> bool {
+    matches!(limit, Limit::Agrees { .. } | Limit::Consistent { .. })
+        && rate.is_none_or(|rate| rate.estimate < FALLS)
+        && kept(squares, rounding * rounding)
 }
 
 /// Decides the strong order.
@@ -127,7 +141,7 @@ impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Order { order, .. } => write!(f, "order {order}"),
-            Self::Kept => f.write_str("no order: the scheme keeps this up to rounding"),
+            Self::Kept => f.write_str("no order: all step sizes give the same up to rounding"),
             Self::WrongLimit => f.write_str("no order: the scheme converges to something else"),
             Self::Undecided { because, more } => {
                 let more = if *more == More::Paths { "more paths" } else { "finer steps" };

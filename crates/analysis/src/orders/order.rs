@@ -160,10 +160,18 @@ fn once(
             Some(_) => (errors(number, &moments), Against::Exact),
             None => (moments.part(0..number - 1), Against::HalfStep),
         };
-        let size = observable.values(&setup.start(), PathMask::first(1))[0];
+        let mut states = setup.start();
+        for (p, visit) in visits.iter().take(WIDTH).enumerate() {
+            states.iter_mut().zip(&visit.state).for_each(|(row, y)| row[p] = *y);
+        }
+        let sizes = observable.values(&states, PathMask::first(visits.len()));
+        let size = sizes.iter().take(visits.len()).fold(0.0, |most: f64, phi| most.max(phi.abs()));
         weak(&taus[..fitted.length()], &fitted, against, limit, (steps, size))
     } else {
-        strong(&taus[..number - 1], &moments, one_step_of(setup, sizes, &visits), limit)
+        let one_step = one_step_of(setup, sizes, &visits);
+        let squares = visits.iter().map(|at| at.state.iter().map(|y| y * y).sum::<f64>());
+        let size = squares.fold(0.0, f64::max).sqrt();
+        strong(&taus[..number - 1], &moments, one_step, limit, (steps, size))
     };
     if let Some(because) = sizes.unresolved(setup) {
         order.decision = undecided(More::Steps, because);
@@ -173,15 +181,20 @@ fn once(
     Ok(order)
 }
 
-/// The strong order from squared differences of successive step sizes.
+/// The strong order from squared differences of successive step sizes, of states of size `size`
+/// after `steps` steps.
 pub fn strong(
     taus: &[f64],
     squares: &CrossMoments,
     one_step: Option<OneStep>,
     limit: Limit,
+    (steps, size): (u64, f64),
 ) -> Order {
     let (points, rate) = (root_mean_squares(taus, squares), fit_strong(taus, squares));
-    let decision = decision::strong(rate.as_ref(), one_step, limit);
+    let mut decision = decision::strong(rate.as_ref(), one_step, limit);
+    if decision::exact(squares, decision::rounding(steps, size), rate.as_ref(), limit) {
+        decision = Decision::Kept;
+    }
     Order { points, rate, one_step, limit, decision, failed: 0 }
 }
 
@@ -201,7 +214,7 @@ pub fn weak(
     let rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
     let share = |order| lower_share(taus, &means, &covariance, order, against);
     let mut decision = decision::weak(rate.as_ref(), share, limit);
-    if decision != Decision::WrongLimit && decision::kept(fitted, steps, size) {
+    if decision != Decision::WrongLimit && decision::kept(fitted, decision::rounding(steps, size)) {
         decision = Decision::Kept;
     }
     let points = taus.iter().zip(means).enumerate().map(|(l, (&tau, value))| {

@@ -128,6 +128,12 @@ fn combinations_that_data_do_not_show_are_named() {
         // r² + s² alone.
         (sum, "r,s", "they change with r + "),
         (KUBO.replace("w = 1.2", "u = 3, w = 1.2"), "w,u", "they do not depend on `u`; fix it"),
+        // Noise on p alone moves no mean of q, but it does in a sample.
+        (
+            KUBO.replace("2)/2\"]", "2)/2\", \"r*q\"]").replace("w = ", "r = 0.4, w = "),
+            "w,r",
+            "they change with `r` by no more than sampling errors; fix it",
+        ),
     ] {
         let folder = with_scene(&scene);
         fs::write(folder.path().join("data.csv"), &data).expect("a file");

@@ -448,6 +448,22 @@ fn orders() {
     }
 }
 
+/// Differences at the level of rounding do not fall: without noise paths are the same, and of
+/// dx = dW every scheme is exact.
+#[test]
+fn exact_references_and_schemes() {
+    let ode = scene("\"x\"", "", "\"x*(1 - x)\"", "", &run("0.1", 2.0, 64));
+    let sum = scene("\"x\"", "", "\"0\"", "[\"1\"]", &run("0", 1.0, 10));
+    for text in [&ode, &sum] {
+        let found = json(with_scene(text).path(), &["compare", "scene.toml", "--json"]);
+        assert!(found["stopped"].is_null() && !found["choice"]["take"].is_null(), "{found}");
+    }
+    let words = ["order", "scene.toml", "--scheme", "em", "--path-steps", "1e6"];
+    let said = succeeds(with_scene(&sum).path(), &words);
+    assert!(said.contains("no order: all step sizes give the same up to rounding"), "{said}");
+    assert!(!said.contains("undecided"), "{said}");
+}
+
 /// Five oscillators have five quadratic functions and no more; a noise with a divergence takes away
 /// volume, and the function of its oscillator.
 #[test]

@@ -147,15 +147,9 @@ impl Referee<'_> {
         let taus = sizes.taus(t_end)[..levels].to_vec();
         let between = &taus[..levels - 1];
         let one_step = self.one_step(&states.single).filter(|_| !own_noise);
-        let mut strong = strong(between, &differences, one_step, limit);
-        // Of a solver that is exact the differences are rounding errors.
         let steps = sizes.coarsest_steps << (levels - 1);
-        let size: f64 = states.start.iter().map(|y| y * y).sum::<f64>() / number as f64;
-        let rounding = (ROUND_OFF * steps as f64).powi(2) * size;
-        let exact = differences.means().into_iter().all(|square| square <= rounding);
-        if exact && matches!(limit, Limit::Agrees { .. }) {
-            strong.decision = Decision::Kept;
-        }
+        let size = (states.start.iter().map(|y| y * y).sum::<f64>() / number as f64).sqrt();
+        let mut strong = strong(between, &differences, one_step, limit, (steps, size));
         let solves = match limit {
             Limit::Differs { .. } if !own_noise => self.solves(states, &paths),
             _ => None,

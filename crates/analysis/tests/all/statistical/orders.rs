@@ -9,7 +9,9 @@ use analysis::{
 use mc::{LadderError, Observable, Observe, Setup, TimeChange};
 use noise::{StreamKey, Truncation};
 use real::Row;
-use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Sexp, SexpLi, run_time::Scheme};
+use schemes::{
+    EulerMaruyama, Explicit, Heun, Increment, Midpoint, Nv, Sexp, SexpLi, run_time::Scheme,
+};
 use stats::Point;
 use systems::{Cosine, run_time::Problem};
 
@@ -258,6 +260,11 @@ fn a_function_that_a_scheme_keeps_has_no_order() {
     assert!(!kept.to_string().contains("finer"), "{kept}");
     // The twin does not keep it.
     assert_ne!(weak(&Heun, &oscillator, &phi, &few).decision, Decision::Kept);
+    // A turn by w dt + s dW is one exact flow; `sexp` turns by another angle.
+    let [exact, twin] =
+        [strong(&Nv::default(), &oscillator, &few), strong(&Sexp, &oscillator, &few)];
+    assert_eq!((&exact.decision, twin.order()), (&Decision::Kept, Some(1.0)), "{exact}; {twin}");
+    assert!(!exact.to_string().contains("undecided"), "{exact}");
 }
 
 #[test]
