@@ -32,7 +32,7 @@ pub struct Span {
 pub enum Growth {
     /// In all directions looked at, so that e^{−βH₀} seems to have an integral.
     Everywhere,
-    /// It falls without bound along this component; `None` for another direction.
+    /// Not bounded below: falls along this component; `None` for another direction.
     Falls(Option<usize>),
     /// Too little along this component, counted from 0; `None` for another direction.
     NotAlong(Option<usize>),

@@ -44,7 +44,7 @@ impl fmt::Debug for Field {
 /// Largest number of spins at which a field is looked at.
 const MAX_SPINS: usize = 128;
 
-/// What acts on spins as a function of time: h(t, r), and what else acts at t = 0.
+/// Field on spins as a function of time: h(t, r), and what else acts at t = 0.
 pub struct OnSpins {
     of: Arc<FieldAt>,
     scratch_rows: usize,

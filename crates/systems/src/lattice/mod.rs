@@ -296,7 +296,7 @@ impl System for SpinLattice {
         }
     }
 
-    /// What acts on some of the spins of each path, if the field depends on time.
+    /// Fields on some of the spins of each path, if they depend on time.
     fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
         let Field::Of { of, depends_on_time: true, scratch_rows } = &self.field else {
             return None;
