@@ -20,8 +20,8 @@ const FEW: usize = 32;
 /// Some expressions of a graph, ready to be evaluated on 32 points at a time.
 ///
 /// The inputs of the graph are divided into groups, for example y and v: a group is a slice of
-/// rows. An instruction is a plain loop over 32 numbers, compiled for every instruction set, and
-/// all instructions run in one [`dispatch`]. Products and sums are joined where one feeds another
+/// rows. An instruction is a plain loop over 32 numbers, compiled for every instruction set. All
+/// run in one [`dispatch`], but for functions such as sin, which have one each. Products and sums are joined where one feeds another
 /// alone, each of them rounded. All levels give the same bits, a number does not depend on its
 /// neighbours in a row, and [`evaluate_one`](Self::evaluate_one) gives the same bits.
 ///

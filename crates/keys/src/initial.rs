@@ -17,8 +17,8 @@ const MIN_NAMES: usize = 9;
 
 /// Functions of other programs, and what is here.
 const LAWS: [&str; 8] = ["N", "U", "normal", "gauss", "randn", "rand", "random", "uniform"];
-const RANDOM: &str = "unknown function: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1); \
-                      2 + 3*z1 has mean 2 and deviation 3";
+const RANDOM: &str = "unknown function: z1, z2, … are standard normals, u1, u2, … uniform on \
+                      (0, 1); 2 + 3*z1 has mean 2 and deviation 3";
 
 /// Standard normals.
 fn normal(normals: &mut WienerRows) -> Row {
@@ -112,10 +112,8 @@ pub fn initial(
     if has_places {
         PLACES.iter().for_each(|name| _ = names.variable(name));
     }
-    let parse = |text: &At<Text>| {
-        let told = |wrong: Wrong, law| wrong.instead(&format!("unknown function `{law}`"), RANDOM);
-        text.formula(&names).map_err(|wrong| LAWS.iter().fold(wrong, told))
-    };
+    let parse =
+        |text: &At<Text>| text.formula(&names).map_err(|wrong: Wrong| wrong.instead(&LAWS, RANDOM));
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
     // The variables that are used, and which of them are uniform, or components of a place.
     let used: BTreeSet<usize> = formulas.iter().flat_map(Formula::reads).collect();

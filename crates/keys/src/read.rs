@@ -108,13 +108,9 @@ impl Constants {
             // The name of a lattice is a word.
             let is_word = system.name.is_some() && **key == "lattice";
             let (Parameter::One(_), false) = (&**value, is_word) else { continue };
+            let others: Vec<&str> = system.parameters.keys().map(|other| &***other).collect();
             let value = constant(&value.texts()[0], &none).map_err(|wrong| {
-                const MESSAGE: &str =
-                    ": parameters are numbers and cannot use other parameters: write the value";
-                let unknown =
-                    system.parameters.keys().map(|other| format!("unknown name `{}`", **other));
-                unknown
-                    .fold(wrong, |wrong, words| wrong.instead(&words, &(words.clone() + MESSAGE)))
+                wrong.instead(&others, "a parameter cannot use another one: write the value")
             })?;
             if **key == "t" {
                 refuse!(key, "`t` is the time in the rate of damping");

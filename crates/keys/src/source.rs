@@ -50,9 +50,10 @@ impl Wrong {
         Self { message: message.to_string(), place: place.into(), part: None }
     }
 
-    /// This error, with another message if its own begins with these words.
-    pub fn instead(self, words: &str, message: &str) -> Self {
-        match self.message.starts_with(words) {
+    /// This error, with another message if the part of the formula that is meant is one of `names`.
+    pub fn instead(self, names: &[&str], message: &str) -> Self {
+        let part = self.part.as_ref().and_then(|(text, span)| text.get(span.clone()));
+        match part.is_some_and(|part| names.contains(&part)) {
             true => Self { message: message.into(), ..self },
             false => self,
         }

@@ -326,10 +326,10 @@ impl Averages {
             .then(|| Warning::new(format!("{failed} of {all} chains failed")).with_reason(large));
         let exact = usize::from(beta.is_some());
         let gradient = of.slopes().iter().enumerate().map(|(w, Slope { parameter, .. })| {
+            let unknown = unknown(exact + w);
             let of_mean = |(k, of): (usize, &StationaryMean)| {
                 let mut slope = by(exact + w, k, format!("∂{}/∂{parameter}", of.name));
-                let why = of.unknown.clone().or_else(|| unknown(exact + w));
-                slope.unknown = slope.unknown.or(why);
+                slope.unknown = slope.unknown.or(of.unknown.clone()).or(unknown.clone());
                 slope
             };
             (parameter.clone(), means.iter().enumerate().map(of_mean).collect())

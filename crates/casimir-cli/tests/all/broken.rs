@@ -31,7 +31,7 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "rate = \"0.1\"", "rates = 0.5", "line 9, column 9", "got 0.5, where values have names: write { p = 0.5 }"),
     (OSCILLATOR, "[run]", "[bath]\ntemperature = 1\nfriction = 0.5\n[run]", "line 12, column 12", "write { p = 0.5 }"),
     // Values.
-    (OSCILLATOR, "s = 0.3", "s = \"k/2\"", "line 4, column 30", "unknown name `k`: parameters are numbers and cannot"),
+    (OSCILLATOR, "s = 0.3", "s = \"k/2\"", "line 4, column 30", "a parameter cannot use another one: write the value"),
     (OSCILLATOR, "[1.0, 0.5]", "[\"N(0,1)\", 0]", "line 11, column 13", "z1, z2, … are standard normals"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[\"E[q]\"]", "line 19, column 8", "write what it is of, x for E[x]"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[\"E(q)\"]", "line 19, column 8", "write what it is of, x for E[x]"),

@@ -576,8 +576,8 @@ fn payoffs_with_a_kink_have_derivatives_where_paths_reach_them() {
     fails(with_scene(&payoff(9.0)).path(), &["expect", "scene.toml"], 1, &["not to be believed"]);
 }
 
-/// Rounding errors of many steps are divided by the change of a parameter, which is in the interval;
-/// what no step can reach is said.
+/// Rounding errors of many steps over the change of a parameter are in the interval, and what no
+/// step can reach is said.
 #[test]
 fn derivatives_without_noise_know_their_rounding() {
     let scene = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\n\

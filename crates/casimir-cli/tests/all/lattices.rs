@@ -37,6 +37,25 @@ fn two_materials_are_at_the_temperature() {
 }
 
 /// Free spins turn by ∫h dt about z: h = cos t + x/2 at place x.
+/// A field that aliases with the steps is named, and also a pulse on one spin; a slow one is not,
+/// nor what is negligible beside the exchange.
+#[test]
+fn fields_that_steps_do_not_resolve_are_named() {
+    for (field, resolved) in [
+        ("cos(2*pi*800*t)", false),
+        ("if(x > 2.5, cos(2*pi*800*t), 0)", false),
+        ("cos(2*pi*t)", true),
+        ("1e-9*cos(2*pi*800*t)", true),
+    ] {
+        let parameters = format!("sizes = [4]\nexchange = 1\nfield = [0, 0, \"{field}\"]");
+        let run = "[run]\npaths = 1\ninitial = [0, 0.6, 0.8]\nuntil = 1\nsteps = 100";
+        let folder = with_scene(&scene(&parameters, run));
+        let found = json(folder.path(), &["run", "scene.toml", "--json"]);
+        let unresolved = &found["step_check"]["unresolved"];
+        assert_eq!(unresolved.is_null(), resolved, "{field}: {unresolved}");
+    }
+}
+
 #[test]
 fn fields_depend_on_time_and_place() {
     let parameters = "sizes = [4]\nexchange = 0\nfield = [0, 0, \"cos(t) + x/2\"]\nmoment = 2";

@@ -77,7 +77,7 @@ pub fn bath(reading: &Reading, each: usize) -> Read<Option<(Vec<f64>, f64)>> {
         "the temperature and damping of a lattice are constant: write them without t";
     let value = |text: &At<Text>| {
         let value = reading.constants.value(text);
-        value.map_err(|wrong| wrong.instead("unknown name `t`", CONSTANT))
+        value.map_err(|wrong| wrong.instead(&["t"], CONSTANT))
     };
     let (alphas, kt) =
         (alphas.into_iter().map(value).collect::<Read<Vec<_>>>()?, value(temperature)?);

@@ -213,8 +213,6 @@ impl Model for AtRunTime {
         let (scheme, mut why) = Conserved::of(&self.problem(), system, false).scheme(system);
         let Description { parts, has_bath, .. } = system.description();
         if let (Err(reason), None, false) = (parts, &self.formulas, has_bath) {
-            // That is for who asks for split.
-            let reason = reason.trim_end_matches("; take sexp-li");
             why += &format!("; split would not do: {reason}");
         }
         (scheme, why)

@@ -30,7 +30,7 @@ impl Part {
         }
         for (bond, Bond { pair, antisymmetric, .. }) in crystal.bonds.iter().enumerate() {
             if *antisymmetric != [0.0; 3] {
-                return Err("antisymmetric exchange has no exact flow; take sexp-li".into());
+                return Err("antisymmetric exchange has no exact flow".into());
             }
             if pair.from != pair.to {
                 parts.push(Self::Bonds { bond, from: None });

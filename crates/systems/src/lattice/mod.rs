@@ -135,10 +135,8 @@ impl SpinLattice {
         let damped = crystal.materials.iter().any(|of| of.damping != 0.0);
         let parts = Part::all(&crystal);
         let exact = match &parts {
-            _ if damped => Err("transverse damping has no exact flow; take sexp-li".into()),
-            _ if own_scratch_rows > 0 => {
-                Err("a field by formulas has no flow; take sexp-li".into())
-            }
+            _ if damped => Err("transverse damping has no exact flow".into()),
+            _ if own_scratch_rows > 0 => Err("a field by formulas has no flow".into()),
             Err(reason) => Err(reason.clone()),
             Ok(parts) => Ok(Parts { number: parts.len(), preferred: true, ..Parts::default() }),
         };
