@@ -21,9 +21,10 @@ const FEW: usize = 32;
 ///
 /// The inputs of the graph are divided into groups, for example y and v: a group is a slice of
 /// rows. An instruction is a plain loop over 32 numbers, compiled for every instruction set. All
-/// run in one [`dispatch`], but for functions such as sin, which have one each. Products and sums are joined where one feeds another
-/// alone, each of them rounded. All levels give the same bits, a number does not depend on its
-/// neighbours in a row, and [`evaluate_one`](Self::evaluate_one) gives the same bits.
+/// run in one [`dispatch`], but for functions such as sin, which have one each. Products and sums
+/// are joined where one feeds another alone, each of them rounded. All levels give the same bits, a
+/// number does not depend on its neighbours in a row, and
+/// [`evaluate_one`](Self::evaluate_one) gives the same bits.
 ///
 /// ```
 /// use expression::{Graph, Tape, Unary};
