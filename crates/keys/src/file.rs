@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::{
     At, Count, Event, Few, Formulas, Name, Named, Parameter, Seed, Start, Structure, Text, Values,
-    items, list, some_list,
+    items, some_list,
 };
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
@@ -171,10 +171,10 @@ pub struct RunTable {
 #[serde(deny_unknown_fields)]
 pub struct ExpectTable {
     /// Functions φ: names of components or observables, or formulas.
-    #[serde(deserialize_with = "list")]
-    pub of: Formulas,
+    #[serde(default, deserialize_with = "some_list")]
+    pub of: Option<Formulas>,
     /// Half-width of the 95 % intervals.
-    pub accuracy: At<f64>,
+    pub accuracy: Option<At<f64>>,
     /// Parameters θ for the derivatives of all expectations.
     #[serde(default, deserialize_with = "items")]
     pub gradient: Vec<Name>,

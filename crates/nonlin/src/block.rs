@@ -5,7 +5,7 @@ use real::{Block, PathMask, WIDTH};
 use crate::{
     BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver,
     robust::solve_robust,
-    sweep::{Iterate, first_sweeps, has_first_sweep, settled_path, sweep},
+    sweep::{Iterate, first_sweeps, has_first_sweep, prefers_newton, settled_path, sweep},
 };
 
 /// Half of a block: paths p and p + [`HALF`] make their first sweeps together.
@@ -54,17 +54,16 @@ impl<const D: usize> Iterates<'_, D> {
     /// that freeze a path would become masked stores, which stall the loads of the next sweep.
     /// Returns the number of paths that have not converged.
     #[inline(always)]
-    fn advance<E: BlockFixedPoint<D>>(
+    fn advance<E: BlockFixedPoint<D>, const NEWTON: bool>(
         &self,
         equations: &E,
-        method: Method,
         number: u32,
         next: &mut Iterates<'_, D>,
     ) -> u64 {
         let number = f64::from(number);
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
-            let (after, excess) = sweep(&equations.path(p), self.z.path(p), method);
+            let (after, excess) = sweep::<E::Path, D, NEWTON>(&equations.path(p), self.z.path(p));
             let pending = self.pending.0[0][p];
             let frozen = pending <= 0.0;
             for i in 0..D {
@@ -77,6 +76,21 @@ impl<const D: usize> Iterates<'_, D> {
             unfinished = unfinished.wrapping_add(if now <= 0.0 { 0 } else { 1 });
         }
         unfinished
+    }
+}
+
+/// Solves the equations of all paths by the method that they prefer, with default options: as
+/// [`Solver::solve_block`], but without the code of the other method.
+#[inline(always)]
+pub fn solve_block<E: BlockFixedPoint<D>, const D: usize>(
+    equations: &E,
+    z: &mut Block<D>,
+    status: &mut BlockStatus,
+) {
+    if const { prefers_newton::<E::Path, D>() } {
+        Solver::DEFAULT.iterate::<E, D, true, false>(equations, z, status);
+    } else {
+        Solver::DEFAULT.iterate::<E, D, false, false>(equations, z, status);
     }
 }
 
@@ -94,23 +108,22 @@ impl Solver {
         status: &mut BlockStatus,
     ) {
         match self.method.unwrap_or(E::Path::METHOD) {
-            Method::FixedPoint => self.iterate(equations, Method::FixedPoint, z, status),
-            Method::Newton => self.iterate(equations, Method::Newton, z, status),
+            Method::FixedPoint => self.iterate::<E, D, false, true>(equations, z, status),
+            Method::Newton => self.iterate::<E, D, true, true>(equations, z, status),
         }
     }
 
     #[inline(always)]
-    fn iterate<E: BlockFixedPoint<D>, const D: usize>(
+    fn iterate<E: BlockFixedPoint<D>, const D: usize, const NEWTON: bool, const SETTLES: bool>(
         &self,
         equations: &E,
-        method: Method,
         z: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        let (mut unfinished, mut sweeps) = if has_first_sweep::<E::Path, D>(method) {
+        let (mut unfinished, mut sweeps) = if const { has_first_sweep::<E::Path, D, NEWTON>() } {
             (iterates.start(equations), 1)
         } else {
             iterates.wait(equations);
@@ -120,10 +133,10 @@ impl Solver {
             sweeps += 1;
             let (mut z, mut pending) = (*iterates.z, *iterates.pending);
             let last = Iterates { z: &mut z, pending: &mut pending };
-            unfinished = last.advance(equations, method, sweeps, &mut iterates);
+            unfinished = last.advance::<E, NEWTON>(equations, sweeps, &mut iterates);
         }
-        if self.settle {
-            settle(equations, method, z);
+        if SETTLES && self.settle {
+            settle::<E, D, NEWTON>(equations, z);
         }
         if unfinished > 0 {
             // A copy, since a reference passed to a function that is not inlined keeps the
@@ -135,10 +148,13 @@ impl Solver {
 
 /// One more sweep on every path. The robust method overwrites those that have not converged.
 #[inline(always)]
-fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, z: &mut Block<D>) {
+fn settle<E: BlockFixedPoint<D>, const D: usize, const NEWTON: bool>(
+    equations: &E,
+    z: &mut Block<D>,
+) {
     let mut settled = Block::zero();
     for p in 0..WIDTH {
-        settled.set_path(p, settled_path(&equations.path(p), z.path(p), method));
+        settled.set_path(p, settled_path::<E::Path, D, NEWTON>(&equations.path(p), z.path(p)));
     }
     *z = settled;
 }

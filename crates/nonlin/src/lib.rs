@@ -33,6 +33,7 @@
 //! | [`FixedPoint`], [`BlockFixedPoint`] | the equation of one path, of a block |
 //! | [`FirstSweep`] | how the iteration begins: plain, unrolled, or with a prediction |
 //! | [`Solver`], [`Method`] | the iteration and the number of its sweeps |
+//! | [`solve`], [`solve_block`] | with default options and less code: the method that is preferred |
 //! | [`Solution`], [`Outcome`] | the result on one path: method, iterations, residual |
 //! | [`BlockStatus`] | the results on a block |
 //! | [`criteria`] | when an iteration has converged |
@@ -48,5 +49,7 @@ mod single;
 mod solver;
 mod sweep;
 
+pub use block::solve_block;
 pub use equation::{BlockFixedPoint, FirstSweep, FixedPoint};
+pub use single::solve;
 pub use solver::{BlockStatus, Method, Outcome, Solution, Solver, are_finite};

@@ -14,7 +14,7 @@ use crate::{
     FixedPoint, Outcome, Solution,
     criteria::{CONTRACTION, MAX_ITERATIONS, MIN_STEP, ROUND_OFF, TOLERANCE},
     elimination::solve_pivoted,
-    sweep::linearised,
+    sweep::{linearised, minus},
 };
 
 /// The largest ‖J⁻¹J′ − I‖₁ from one accepted step to the next.
@@ -103,8 +103,7 @@ fn newton<E: FixedPoint<D>, const D: usize>(
 }
 
 fn residual<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> f64 {
-    let (_, defect) = linearised(equation, z);
-    norm(&defect)
+    norm(&minus(z, equation.map(z)))
 }
 
 fn norm<const D: usize>(x: &[f64; D]) -> f64 {

@@ -39,11 +39,14 @@ const MAX_SWEEPS: u32 = 55;
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { method: None, max_sweeps: MAX_SWEEPS, settle: false }
+        Self::DEFAULT
     }
 }
 
 impl Solver {
+    /// The method that the equation prefers, the default number of sweeps, and no more.
+    pub(crate) const DEFAULT: Self = Self { method: None, max_sweeps: MAX_SWEEPS, settle: false };
+
     /// The given method with the default number of sweeps.
     pub fn new(method: Method) -> Self {
         Self { method: Some(method), ..Self::default() }

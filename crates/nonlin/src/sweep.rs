@@ -3,9 +3,8 @@
 use real::Factored;
 
 use crate::{
-    FirstSweep, FixedPoint,
+    FirstSweep, FixedPoint, Method,
     criteria::{GUARD, TOLERANCE, excess},
-    solver::Method,
 };
 
 /// After a Newton step the residual is of the order of the squared change. So √ε suffices; the
@@ -21,11 +20,18 @@ const NEWTON_MARGIN: f64 = 256.0;
 /// number is not finite.
 pub type Iterate<const D: usize> = ([f64; D], f64);
 
+// The method is a constant of the type, NEWTON, and conditions on it are constants: what another
+// method needs is not compiled.
+
+/// Whether the equation prefers Newton's method.
+pub const fn prefers_newton<E: FixedPoint<D>, const D: usize>() -> bool {
+    matches!(E::METHOD, Method::Newton)
+}
+
 /// Whether the iteration begins with a sweep of its own. It does so only with the method that the
 /// equation prefers.
-#[inline(always)]
-pub fn has_first_sweep<E: FixedPoint<D>, const D: usize>(method: Method) -> bool {
-    E::FIRST_SWEEP != FirstSweep::Plain && method == E::METHOD
+pub const fn has_first_sweep<E: FixedPoint<D>, const D: usize, const NEWTON: bool>() -> bool {
+    !matches!(E::FIRST_SWEEP, FirstSweep::Plain) && NEWTON == prefers_newton::<E, D>()
 }
 
 /// The first sweep of two paths, by the method that the equation prefers. Long sweeps alternate
@@ -36,20 +42,18 @@ pub fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     one: &E,
     other: &E,
 ) -> (Iterate<D>, Iterate<D>) {
-    match (E::FIRST_SWEEP, E::METHOD) {
-        // No equation begins with a plain sweep here.
-        (FirstSweep::Plain | FirstSweep::Predicted, _) => (
+    if const { !matches!(E::FIRST_SWEEP, FirstSweep::Long) } {
+        return (
             test_prediction(one.start(), one.predict()),
             test_prediction(other.start(), other.predict()),
-        ),
-        (FirstSweep::Long, Method::FixedPoint) => {
-            let (one, other) = eleven_evaluations(one, other);
-            (test_fixed_point(one), test_fixed_point(other))
-        }
-        (FirstSweep::Long, Method::Newton) => {
-            let (first, second) = newton_twice(one, other);
-            (test_newton(one.start(), first), test_newton(other.start(), second))
-        }
+        );
+    }
+    if const { prefers_newton::<E, D>() } {
+        let (first, second) = newton_twice(one, other);
+        (test_newton(one.start(), first), test_newton(other.start(), second))
+    } else {
+        let (one, other) = eleven_evaluations(one, other);
+        (test_fixed_point(one), test_fixed_point(other))
     }
 }
 
@@ -71,30 +75,26 @@ fn test_prediction<const D: usize>(
 
 /// One sweep from z.
 #[inline(always)]
-pub fn sweep<E: FixedPoint<D>, const D: usize>(
+pub fn sweep<E: FixedPoint<D>, const D: usize, const NEWTON: bool>(
     equation: &E,
     z: [f64; D],
-    method: Method,
 ) -> Iterate<D> {
-    match method {
-        Method::FixedPoint => {
-            let first = equation.map(z);
-            let second = equation.map(first);
-            test_fixed_point([first, second, equation.map(second)])
-        }
-        Method::Newton => newton_sweep(equation, z),
+    if NEWTON {
+        return newton_sweep(equation, z);
     }
+    let first = equation.map(z);
+    let second = equation.map(first);
+    test_fixed_point([first, second, equation.map(second)])
 }
 
 /// One more sweep from a solution. Its result is discarded if it is not finite: Newton's method may
 /// diverge where I − ψ′ is singular.
 #[inline(always)]
-pub fn settled_path<E: FixedPoint<D>, const D: usize>(
+pub fn settled_path<E: FixedPoint<D>, const D: usize, const NEWTON: bool>(
     equation: &E,
     z: [f64; D],
-    method: Method,
 ) -> [f64; D] {
-    let (after, excess) = sweep(equation, z, method);
+    let (after, excess) = sweep::<E, D, NEWTON>(equation, z);
     select(excess.is_finite(), after, z)
 }
 
@@ -219,7 +219,7 @@ fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> 
 }
 
 #[inline(always)]
-fn minus<const D: usize>(mut a: [f64; D], b: [f64; D]) -> [f64; D] {
+pub fn minus<const D: usize>(mut a: [f64; D], b: [f64; D]) -> [f64; D] {
     for i in 0..D {
         a[i] -= b[i];
     }

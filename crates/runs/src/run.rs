@@ -163,7 +163,7 @@ impl Results {
     /// Warnings about single paths, the steps and the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<Warning> {
         let Self { study, .. } = self;
-        let mut all = Vec::from_iter(scene.model.known().mistake.map(Warning::new));
+        let mut all = Vec::from_iter(scene.model.known().warnings());
         all.extend(output::step_lines(self, scene));
         all.extend(study.iter().flat_map(|study| study.warnings.clone()));
         all.extend(

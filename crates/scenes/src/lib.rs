@@ -158,6 +158,7 @@ impl Scene {
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy().into());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem).unwrap_or_default();
+        let accuracy = file.expect.as_ref().and_then(|table| table.accuracy.as_ref());
         let mut scene = Self {
             source: source.clone(),
             changes: Arc::clone(changes),
@@ -173,7 +174,7 @@ impl Scene {
             drawn: FigureSettings::default(),
             energy: energy.map(|energy| Observable::new("H0", energy)),
             expected: Vec::new(),
-            accuracy: changes.accuracy.or(file.expect.as_ref().map(|table| *table.accuracy)),
+            accuracy: changes.accuracy.or(accuracy.map(|accuracy| **accuracy)),
             gradient: match (&changes.gradient[..], &file.expect) {
                 ([], Some(table)) => strings(&table.gradient),
                 (given, _) => given.to_vec(),
@@ -185,15 +186,17 @@ impl Scene {
             let named = changes.of.iter().map(|text| At::new(0..0, Text(text.clone())));
             let of = scene.expect(&named.collect::<Vec<_>>(), &mut vocabulary);
             of.map_err(|Wrong { message, .. }| Wrong::new(None, format!("--of: {message}")))?;
-        } else if let Some(ExpectTable { of, accuracy, .. }) = &file.expect {
-            let half_width = **accuracy;
-            if !(half_width > 0.0 && half_width.is_finite()) {
-                refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
-            }
+        } else if let Some(of) = file.expect.as_ref().and_then(|table| table.of.as_ref()) {
             if of.is_empty() {
                 refuse!(of, "name at least one function, such as \"y1\"");
             }
             scene.expect(of, &mut vocabulary)?;
+        }
+        if let Some(accuracy) = accuracy {
+            let half_width = **accuracy;
+            if !(half_width > 0.0 && half_width.is_finite()) {
+                refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
+            }
         }
         if scene.observables.is_empty() {
             scene.observables.clone_from(&scene.expected);

@@ -264,7 +264,8 @@ fn is_number(text: &str) -> bool {
 /// Words in the texts of what is observed.
 fn observed(file: &SceneFile, changes: &Changes) -> HashSet<String> {
     let named = file.observe.values().chain(file.probabilities.values()).map(|text| &text.0);
-    let of = file.expect.iter().flat_map(|table| table.of.iter().map(|text| &text.0));
+    let of = file.expect.iter().flat_map(|table| &table.of);
+    let of = of.flat_map(|of| of.iter().map(|text| &text.0));
     let events = file.events.values().map(|event| &event.0.when.0);
     let texts = named.chain(of).chain(events).chain(&changes.of);
     let ends_word = |c: char| !(c.is_alphanumeric() || c == '_');

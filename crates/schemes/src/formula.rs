@@ -109,11 +109,9 @@ pub trait Implicit: Send + Sync {
     /// `#[inline(always)]` and avoid closures: only inlined code is vectorised.
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector;
 
-    /// The options for solving the equation. If they are constant, the kernel is compiled for them
-    /// alone.
-    fn solver(&self) -> Solver {
-        Solver::default()
-    }
+    /// The options for solving the equation, if they are not the default ones, which the kernel is
+    /// compiled for alone.
+    const SOLVER: Option<fn(&Self) -> Solver> = None;
 }
 
 impl<F: Explicit> Implicit for F {

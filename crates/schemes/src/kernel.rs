@@ -3,7 +3,9 @@
 use std::marker::PhantomData;
 
 use noise::{BlockNoise, Noise, skew};
-use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution};
+use nonlin::{
+    BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution, Solver,
+};
 use real::{Block, Kernel, Real, Row, WIDTH, dispatch, path};
 use systems::{ImplicitStep, PoissonSystem};
 
@@ -39,7 +41,11 @@ where
             let z = equation.map(start);
             return Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked();
         }
-        let mut solution = self.solver().solve(&equation);
+        let mut solution = if const { F::SOLVER.is_none() } {
+            nonlin::solve(&equation)
+        } else {
+            solver(self).solve(&equation)
+        };
         if F::EXACT_DAMPING {
             solution.z = scaled(solution.z, step.second_decay);
             if may_overflow(step) {
@@ -48,6 +54,11 @@ where
         }
         solution
     }
+}
+
+/// Options for solving the equation of a formula.
+pub fn solver<F: Implicit>(formula: &F) -> Solver {
+    F::SOLVER.map_or_else(Solver::default, |of| of(formula))
 }
 
 /// Identifier and needs of a formula for several noises.
@@ -174,7 +185,11 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
         }
         let mut z = Block::zero();
         let equations = BlockEquation { formula, system, step, noise, areas, y };
-        formula.solver().solve_block(&equations, &mut z, status);
+        if const { F::SOLVER.is_none() } {
+            nonlin::solve_block(&equations, &mut z, status);
+        } else {
+            solver(formula).solve_block(&equations, &mut z, status);
+        }
         if F::EXACT_DAMPING {
             for p in 0..WIDTH {
                 y.set_path(p, scaled(z.path(p), step.second_decay));

@@ -31,13 +31,10 @@ impl<F: Implicit> Implicit for WithSolver<F> {
     const EXACT_DAMPING: bool = F::EXACT_DAMPING;
     const PREDICTED: bool = F::PREDICTED;
     const EXPLICIT: bool = F::EXPLICIT;
+    const SOLVER: Option<fn(&Self) -> Solver> = Some(|scheme| scheme.solver);
 
     #[inline(always)]
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         self.formula.psi(h, start, z)
-    }
-
-    fn solver(&self) -> Solver {
-        self.solver
     }
 }

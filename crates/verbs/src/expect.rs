@@ -24,8 +24,8 @@ pub struct Expect {
     #[serde(skip)]
     pub of: Vec<String>,
     /// Parameters by which expectations are differentiated, instead of those of the scene; several
-    /// by several `--gradient`
-    #[cfg_attr(feature = "clap", arg(long, value_name = "PARAMETER"))]
+    /// with commas
+    #[cfg_attr(feature = "clap", arg(long, value_delimiter = ',', value_name = "PARAMETER"))]
     #[serde(skip)]
     pub gradient: Vec<String>,
     /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
@@ -291,13 +291,17 @@ fn with_gradient<'a>(
 
 /// The accuracy that is wanted of a scene.
 fn wanted(scene: &Scene) -> Done<f64> {
-    scene.accuracy.filter(|_| !scene.expected.is_empty()).ok_or_else(|| {
-        let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
-        let message = format!(
-            "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
-        );
+    let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
+    let lacks = |what: &str, option: &str, line: &str| {
+        let message = format!("{what}: give {option}, or in the scene\n  [expect]\n  {line}");
         refused(scene, message)
-    })
+    };
+    if scene.expected.is_empty() {
+        let [option, line] = [format!("--of {name}"), format!("of = [\"{name}\"]")];
+        return Err(lacks("nothing is expected", &option, &line));
+    }
+    let none = || lacks("no accuracy is wanted", "--accuracy 1e-3", "accuracy = 1e-3");
+    scene.accuracy.ok_or_else(none)
 }
 
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.

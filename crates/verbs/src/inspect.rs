@@ -8,7 +8,7 @@ use casimir::{
     stats::Warning,
 };
 
-use crate::prelude::*;
+use crate::{lines_of, prelude::*};
 use scenes::{Set, digits, model::with_names};
 
 /// Inspects the system of a scene, whose scheme is not asked for.
@@ -74,7 +74,8 @@ impl Verb for Inspect {
             (Ok(parts), []) => format!("\nFlows, for split and nv: of {} parts", parts.number),
             (_, flows) => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
         };
-        let text = format!("{}{}{of_flows}\n", known.equation(), text.trim_end());
+        let (equation, remark) = (known.equation(), known.remark);
+        let text = format!("{equation}{}{}{of_flows}\n", lines_of(&remark), text.trim_end());
         let mistakes = findings.mistakes.clone();
         let mut json = json!(findings);
         json["bath"] = json!(bath);
@@ -85,7 +86,8 @@ impl Verb for Inspect {
                     .contains(&&**key)
             });
         }
-        Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
+        let warnings = mistakes.into_iter().map(Warning::new).chain(remark);
+        Ok(Found::new(warnings, text, json, Vec::new()))
     }
 }
 

@@ -252,9 +252,9 @@ impl Found {
         figures: Vec<Figure>,
     ) -> Self {
         json["title"] = json!(scene.title);
-        let mistake = scene.model.known().mistake.map(Warning::new);
-        let text = lines_of(&mistake) + text;
-        Self::new(mistake.into_iter().chain(warnings), text, json, figures)
+        let known = Vec::from_iter(scene.model.known().warnings());
+        let text = lines_of(&known) + text;
+        Self::new(known.into_iter().chain(warnings), text, json, figures)
     }
 
     /// Result whose `warnings` are a list in `json`.

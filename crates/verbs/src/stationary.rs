@@ -29,9 +29,8 @@ pub struct Equilibrium {
     #[cfg_attr(feature = "clap", arg(long, value_name = "FUNCTION"))]
     #[serde(skip)]
     pub of: Vec<String>,
-    /// Parameters by which averages over exp(-H0/kT) are differentiated; several by several
-    /// `--gradient`
-    #[cfg_attr(feature = "clap", arg(long, value_name = "PARAMETER"))]
+    /// Parameters by which averages over exp(-H0/kT) are differentiated; several with commas
+    #[cfg_attr(feature = "clap", arg(long, value_delimiter = ',', value_name = "PARAMETER"))]
     #[serde(skip)]
     pub gradient: Vec<String>,
     /// Limits of the chains.

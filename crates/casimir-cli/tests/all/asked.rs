@@ -283,3 +283,37 @@ gradient = ["s"]
     let words = ["line 16, column 7", "unknown name `r`"];
     fails(with_scene(&wrong).path(), &["expect", "scene.toml"], 2, &words);
 }
+
+/// What `[expect]` lacks is given by options, and several parameters by commas.
+#[test]
+fn options_complete_a_table() {
+    const OSCILLATOR: &str = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\n\
+                              H0 = \"(p^2 + w^2*q^2)/2\"\nH = [\"-s*q\"]\n\
+                              parameters = { w = 2, s = 0.1 }\n[run]\ninitial = [1, 0]\n\
+                              until = 1\nsteps = 16\n[expect]\n";
+    let with = |table: &str| with_scene(&format!("{OSCILLATOR}{table}\n"));
+    let expect = |table: &str, options: &[&str]| {
+        let words = [&["expect", "scene.toml", "--json"], options].concat();
+        let found = json(with(table).path(), &words);
+        found["estimates"][0]["value"].as_f64().unwrap()
+    };
+    let exact = 2f64.cos();
+    for (table, options) in [
+        ("of = [\"q\"]", &["--accuracy", "1e-3"][..]),
+        ("accuracy = 1e-3", &["--of", "q"]),
+        ("", &["--of", "q", "--accuracy", "1e-3"]),
+    ] {
+        assert!((expect(table, options) - exact).abs() < 2e-3, "{table} {options:?}");
+    }
+    let words = ["expect", "scene.toml", "--json", "--gradient", "w,s"];
+    let found = json(with("of = [\"q\"]\naccuracy = 1e-3").path(), &words);
+    let slope = |of: &str| found["gradient"][of][0]["value"].as_f64().unwrap();
+    // E[q] = cos wT has no s.
+    assert!((slope("w") + 2f64.sin()).abs() < 2e-3 && slope("s").abs() < 2e-3, "{found}");
+    let lacks = |table: &str, words: &[&str]| {
+        fails(with(table).path(), &["expect", "scene.toml"], 2, words);
+    };
+    lacks("of = [\"q\"]", &["no accuracy is wanted: give --accuracy"]);
+    lacks("accuracy = 1e-3", &["nothing is expected: give --of q"]);
+    lacks("of = [\"q\"]\naccuracy = -1", &["line 13, column 12", "must be positive"]);
+}

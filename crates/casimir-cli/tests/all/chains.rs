@@ -327,7 +327,7 @@ fn bounded_motion_is_no_drift() {
 
 #[test]
 fn energies_that_fall_without_bound_have_no_law() {
-    for potential in ["- q^4", "- q^2/2", "+ q^3"] {
+    for potential in ["- q^4", "- q^2/2", "+ q^3", "- exp(q)"] {
         let scene = format!(
             "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"p^2/2 {potential}\"\n\
              [bath]\ntemperature = 1\nfriction = {{ p = 0.5 }}\n\

@@ -487,6 +487,24 @@ fn an_inspection_says_what_there_is() {
     }
 }
 
+/// Where both senses of the noise differ and none is given, every command says which it takes.
+#[test]
+fn the_sense_that_is_taken_is_said() {
+    let said = |noise: &str, sense: &str, verb: &str| {
+        let rest = format!("{sense}{}{}", run("1, 0", 1.0, 16), expect("\"x\"", 0.1));
+        let text = scene("\"x\", \"v\"", "s = 0.4", "\"v\", \"-x\"", noise, &rest);
+        let found = json(with_scene(&text).path(), &[verb, "scene.toml", "--json"]);
+        let warnings = found["warnings"].as_array().expect("a list").clone();
+        warnings.iter().any(|one| one["what"] == "the equation is read as Stratonovich's")
+    };
+    for verb in ["run", "expect", "inspect"] {
+        assert!(said("[\"s*x\", \"0\"]", "", verb), "{verb}");
+        assert!(!said("[\"s*x\", \"0\"]", "calculus = \"ito\"\n", verb), "{verb}");
+        // Both senses are one: the noise is of x, on v, which it does not move.
+        assert!(!said("[\"0\", \"s*x\"]", "", verb), "{verb}");
+    }
+}
+
 /// Whatever else a scene may ask for.
 #[test]
 fn every_verb_takes_it() {

@@ -146,14 +146,14 @@ pub fn growth(system: &dyn System, y0: &[f64], beta: f64) -> Growth {
         }
         // Far away e^{−βH₀}rᵈ falls; less than that, as with a logarithm, is not looked at.
         let least = (d as f64 + 1.0) * ln(10.0);
-        let growth = energies.windows(2).rev().map(|pair| match pair[1] == f64::INFINITY {
-            true => f64::INFINITY,
+        let growth = energies.windows(2).rev().map(|pair| match pair[1].is_infinite() {
+            true => pair[1],
             false => beta * (pair[1] - pair[0]),
         });
         if !growth.clone().next().is_some_and(|last| last > least) {
             let falls: Vec<f64> = growth.clone().take(LAST).collect();
             if falls.last().is_some_and(|fall| *fall < 0.0)
-                && falls.windows(2).all(|pair| pair[0] < 2.0 * pair[1])
+                && falls.windows(2).all(|pair| pair[0] <= 2.0 * pair[1])
             {
                 return Growth::Falls(component);
             }

@@ -19,7 +19,9 @@ use real::Real;
 use schemes::Sexp;
 use systems::{Constant, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled};
 
-use crate::{explosive::Explosive, ladder::body, statistical::random_points::warns};
+use crate::{
+    explosive::Explosive, failing::Walled, ladder::body, statistical::random_points::warns,
+};
 
 /// E cos y₃ of [`body`], by eigenfunctions on the sphere (`analysis::sphere`).
 const EXACT: f64 = 0.797_719_94;
@@ -207,24 +209,9 @@ fn the_limit_is_for_all_attempts_together() {
     }
 }
 
-/// p = W, and no step is defined where p > 3.5.
-struct Bounded;
-
-impl PoissonSystem<2, 1> for Bounded {
-    fn name(&self) -> &'static str {
-        "bounded"
-    }
-    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
-        [v[1], -v[0]]
-    }
-    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        (-y[1] + 3.5).sqrt() * dt - y[0] * dw[0]
-    }
-}
-
 #[test]
 fn few_failed_paths_widen_the_interval() {
-    let problem = Problem::new(Bounded, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
+    let problem = Problem::new(Walled(3.5), Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let cosine = Observable { name: "cos p", function: |y: [f64; 2]| y[1].cos() };
     let found = Expect::new(&problem).run(&[&cosine], 0.03).unwrap();
     let estimate = &found.estimates[0];

@@ -7,8 +7,8 @@ use systems::{Constant, PoissonSystem, Problem};
 
 use crate::statistical::random_points::warns;
 
-/// p = W, and no step is defined where p > 1.
-struct Walled;
+/// p = W, and no step is defined where p is larger than this.
+pub struct Walled(pub f64);
 
 impl PoissonSystem<2, 1> for Walled {
     fn name(&self) -> &'static str {
@@ -18,13 +18,13 @@ impl PoissonSystem<2, 1> for Walled {
         [v[1], -v[0]]
     }
     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        (-y[1] + 1.0).sqrt() * dt - y[0] * dw[0]
+        (-y[1] + self.0).sqrt() * dt - y[0] * dw[0]
     }
 }
 
 #[test]
 fn an_accuracy_that_failing_paths_forbid_is_said_after_the_first_levels() {
-    let problem = Problem::new(Walled, Constant::new(0.0).unwrap(), [0.0, 0.0], 4.0).unwrap();
+    let problem = Problem::new(Walled(1.0), Constant::new(0.0).unwrap(), [0.0, 0.0], 4.0).unwrap();
     let phi = Observable { name: "p", function: |y: [f64; 2]| y[1] };
     let found = Expect::new(&problem).run(&[&phi], 0.5).unwrap();
     assert!(!found.reached() && warns(&found, WarningKind::OutOfReach), "{found}");

@@ -9,8 +9,7 @@ use mc::{
 use noise::{
     AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
 };
-use nonlin::{Method, Solver};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::driver::{BackwardEuler, Euler};
@@ -216,10 +215,9 @@ fn impossible_ladders_are_refused() {
 #[test]
 fn paths_without_a_solution_are_left_out_counted_and_described() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
-    let sexp = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
     let runs = vec![
-        Run::new(bind(&problem, &sexp), 0),
-        Run::new(bind(&problem, &sexp), 2),
+        Run::new(bind(&problem, &Sexp), 0),
+        Run::new(bind(&problem, &Sexp), 2),
         Run::new(bind(&problem, &EulerMaruyama), 0),
     ];
     let ladder = ladder(&problem, (16, 2), 4, runs).unwrap();
@@ -244,13 +242,13 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
             && failure.tau == 1.0 / 16.0
             && matches!(failure.cause, Cause::NoSolution { .. })
         {
-            let alone = path(&problem, &sexp, 16, Truncation::new(4).unwrap(), failure.path);
+            let alone = path(&problem, &Sexp, 16, Truncation::new(4).unwrap(), failure.path);
             let halted = alone.unwrap().halted.unwrap();
             assert!(halted.starts_with(&format!("step {} of", failure.step)), "{halted}: {text}");
         }
     }
     // Alone, a coarse run names its own steps.
-    let coarse = vec![Run::new(bind(&problem, &sexp), 2)];
+    let coarse = vec![Run::new(bind(&problem, &Sexp), 2)];
     let coarse = self::ladder(&problem, (16, 2), 4, coarse).unwrap();
     let coarse = coarse.run(samples, || Keep::<2>::new(4, 1));
     assert!(!coarse.failures.is_empty());

@@ -6,6 +6,7 @@ use casimir::{
     formula::{Definition, DefinitionError, Equation, FormulaSystem, Which},
     inspect::facts::energy,
     mc::{self, Friction, demand},
+    stats::Warning,
     systems::{
         probe::around,
         run_time::{Problem, System},
@@ -105,7 +106,21 @@ pub fn build_plain(reading: &Reading, drift: &Formulas) -> Read<Built> {
     }
     let (names, system) = (system.names().clone(), Arc::new(system));
     let problem = problem(reading, system.clone(), constant(0.0), y0.to_vec())?;
-    Ok(Built::new(AtRunTime::new(problem, friction, Some(system)), names, None))
+    let remark = if table.calculus.is_none() { sense(&problem, &system) } else { None };
+    let model = AtRunTime { remark, ..AtRunTime::new(problem, friction, Some(system)) };
+    Ok(Built::new(model, names, None))
+}
+
+/// The remark on an equation without `calculus` where Itô's sense would have another drift.
+fn sense(problem: &Problem, system: &FormulaSystem) -> Option<Warning> {
+    let of = mc::Problem::at_run_time(problem);
+    let points = around(problem.y0(), |y| system.check_domain(y).is_ok());
+    let differs = |y: &Vec<f64>| (of.coefficients)(0.0, y).correction.iter().any(|&one| one != 0.0);
+    points.iter().any(differs).then(|| {
+        Warning::new("the equation is read as Stratonovich's")
+            .with_reason("`calculus` is not given, and Itô's has another drift")
+            .with_remedy("write `calculus = \"ito\"` or `\"stratonovich\"`")
+    })
 }
 
 /// A definition of a state and parameters, with the name of the title or else this one.

@@ -74,7 +74,7 @@ impl Model for OfMatrices {
 
     fn known(&self) -> Known {
         let laws = vec!["each tr W^k of a site is a Casimir".into()];
-        Known { equations: vec![self.equation.into()], laws, mistake: None }
+        Known { equations: vec![self.equation.into()], laws, ..Known::default() }
     }
 
     fn fastest(&self) -> f64 {

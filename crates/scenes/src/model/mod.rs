@@ -20,6 +20,7 @@ use casimir::{
     mc::{Friction, Initial, Problem, bind_at_run_time},
     schemes::{Baoab, BuiltIn, Method, SchemeError, SexpH, SplitH, run_time as run_time_schemes},
     stationary::Metropolis,
+    stats::Warning,
     systems::{
         Damping, Linearity,
         run_time::{self, Description, System},
@@ -157,6 +158,8 @@ struct AtRunTime {
     initial: Option<Initial<'static>>,
     /// System of formulas; none for a lattice.
     formulas: Option<Arc<FormulaSystem>>,
+    /// Remark on the equation.
+    remark: Option<Warning>,
     /// Facts about the formulas, once they are found.
     facts: OnceLock<Facts>,
     /// The system that follows single Hamiltonians, once it is made.
@@ -170,7 +173,7 @@ impl AtRunTime {
         formulas: Option<Arc<FormulaSystem>>,
     ) -> Self {
         let (facts, flows) = (OnceLock::new(), OnceLock::new());
-        Self { problem, friction, initial: None, formulas, facts, flows }
+        Self { problem, friction, initial: None, formulas, remark: None, facts, flows }
     }
 
     /// Facts about the formulas, such as Casimirs, found once. None for lattices, which are too
@@ -243,6 +246,7 @@ impl Model for AtRunTime {
             equations: system.equations(&damped(&self.problem, &self.friction)),
             laws: (1..).zip(&facts.casimirs).map(form).chain(energy).collect(),
             mistake: facts.mistake.clone().or_else(|| self.friction.iter().find_map(mistake)),
+            remark: self.remark.clone(),
         }
     }
 
@@ -285,9 +289,16 @@ pub struct Known {
     pub laws: Vec<String>,
     /// A mistake in the system, in words, if there is one.
     pub mistake: Option<String>,
+    /// How a part of the equation was understood that can be understood in two ways.
+    pub remark: Option<Warning>,
 }
 
 impl Known {
+    /// The mistake and the remark as warnings.
+    pub fn warnings(self) -> impl Iterator<Item = Warning> {
+        self.mistake.map(Warning::new).into_iter().chain(self.remark)
+    }
+
     /// The equation as lines, of a large system the first; empty for a system of the project.
     pub fn equation(&self) -> String {
         let shown = &self.equations[..self.equations.len().min(MAX_LINES)];

@@ -16,7 +16,10 @@ use super::{
     machine::{Machine, multiple},
     norm::{changes, sums},
 };
-use crate::{Implicit, Listing, Step, Stepper, Sweeps, kernel::may_overflow};
+use crate::{
+    Implicit, Listing, Step, Stepper, Sweeps,
+    kernel::{may_overflow, solver},
+};
 
 /// A formula on 32 paths, or on one large path. An implicit one is solved by fixed-point iteration
 /// as in [`nonlin::Method::FixedPoint`], and by Newton's method without a matrix on paths where
@@ -99,7 +102,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         for input in &mut self.machine.buffers[..2] {
             multiple(&self.state, first, input);
         }
-        let solver = self.formula.solver();
+        let solver = solver(self.formula);
         let pending = self.iterate(h, solver.max_sweeps.max(1));
         if solver.settle {
             // One more sweep on every path. The rescue overwrites those that have not converged.
@@ -153,7 +156,7 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
 
     fn listing(&mut self, step: &Step) -> Option<Listing<'_>> {
         self.machine.record(self.formula, step, 1).ok()?;
-        let Solver { max_sweeps, settle, .. } = self.formula.solver();
+        let Solver { max_sweeps, settle, .. } = solver(self.formula);
         let sweeps = Sweeps { most: max_sweeps.max(1), settle, factors: Self::halves(step) };
         let (program, factors) = self.machine.program()?;
         let listing = Listing::new(program, factors, step.tau, step.t + 0.5 * step.tau);

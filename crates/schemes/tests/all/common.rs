@@ -5,8 +5,8 @@ use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};
 use schemes::{BuiltIn, Scheme, SchemeError, Step};
 use systems::{
-    Constant, Cosine, Damping, ImplicitStep, Invariant, Linear, LotkaVolterra, MaxwellBloch,
-    Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
+    Constant, Cosine, Damping, Invariant, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
 };
 
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -100,9 +100,6 @@ impl<const D: usize> PoissonSystem<D, 3> for Spins<D> {
         let s = &y[3 * index..3 * index + 3];
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }
-
-    const IMPLICIT_STEP: ImplicitStep =
-        if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }
 
 // As `kernels` does it for the systems of the paper.

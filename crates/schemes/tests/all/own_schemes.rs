@@ -30,14 +30,11 @@ pub struct ConformalMidpoint {
 impl Implicit for ConformalMidpoint {
     const ID: &'static str = "conformal-midpoint";
     const EXACT_DAMPING: bool = true;
+    const SOLVER: Option<fn(&Self) -> Solver> = Some(|scheme| scheme.solver);
 
     #[inline(always)]
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         start + h.field((start + z) * 0.5)
-    }
-
-    fn solver(&self) -> Solver {
-        self.solver
     }
 }
 
