@@ -198,6 +198,12 @@ impl<'a> Estimator<'a> {
                     break out_of_reach(why, remedy);
                 }
             }
+            let rounding = sums.iter().map(|sum| sum.rounding).fold(0.0, f64::max);
+            // Values on steps that do not resolve the motion may be large.
+            if rounding > accuracy && !unresolved {
+                let why = format!("rounding errors may be {rounding:.1e}");
+                break out_of_reach(why, "");
+            }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
                 let allowed = max_cost as f64;
@@ -502,12 +508,14 @@ impl<'a> Estimator<'a> {
         // Rounding errors of n steps: 8√n by chance, and more where solvers stop on one side.
         let steps = self.steps(self.levels.len() - 1) as f64;
         let size = samples.values[k].fine.mean().abs();
-        extrapolation.size += 32.0 * steps.sqrt() * f64::EPSILON * size;
+        let rounding = 32.0 * steps.sqrt() * f64::EPSILON * size;
+        extrapolation.size += rounding;
         let below = if single { &last[..2] } else { &[] };
         let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();
         let lost = self.levels[first..].iter().map(Samples::lost).sum::<f64>() * range;
         let confidence = if self.sobol { CONFIDENCE } else { OF_RANDOM_POINTS };
-        Sum { terms, extrapolation, single, replicates: self.replicates as f64, confidence, lost }
+        let replicates = self.replicates as f64;
+        Sum { terms, extrapolation, single, replicates, confidence, lost, rounding }
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),

@@ -85,6 +85,8 @@ pub struct Sum {
     pub confidence: f64,
     /// Bound on what failed paths may add: their share of each level times the range of φ.
     pub lost: f64,
+    /// Bound of the rounding errors of all steps.
+    pub rounding: f64,
 }
 
 impl Sum {

@@ -187,6 +187,7 @@ fn a_skew_mean_has_a_wider_interval() {
         replicates: 16.0,
         confidence: 0.95,
         lost: 0.0,
+        rounding: 0.0,
     };
     // Student's quantile of fifteen degrees of freedom, of tables.
     let x: f64 = 2.131_449_546;

@@ -145,6 +145,14 @@ fn without_noise_one_path_is_extrapolated() {
     }
 }
 
+/// An accuracy below rounding errors is refused after the pilot, with their size.
+#[test]
+fn rounding_errors_refuse_an_accuracy() {
+    let found = Expect::new(&oscillator::<0>(0.0, 1.0)).run(&[&Q], 1e-17).unwrap();
+    assert!(!found.reached() && warns(&found, WarningKind::OutOfReach), "{found}");
+    assert!(found.cost < 1000 && found.to_string().contains("rounding errors"), "{found}");
+}
+
 #[test]
 fn strong_damping_is_resolved_or_refused() {
     // Var p = σ²∫e^{−2γs}cos² s ds; schemes of any step size far above 1/γ agree on zero.
