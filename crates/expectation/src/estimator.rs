@@ -22,8 +22,9 @@ use super::{
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{Motion, PARTS, unresolved},
     rules::{
-        BIAS_ENOUGH, BIAS_PART, BIAS_SHARE, FEWER, LARGEST_EXPONENT, LOST, MAX_BIAS, MAX_LOST,
-        MAX_SAMPLES, MIN_GROWTH, OF_RANDOM_POINTS, SINGLE, UNCOUPLED,
+        BIAS_ENOUGH, BIAS_PART, BIAS_SHARE, FEWER, LARGEST_EXPONENT, LARGEST_TURN, LOST, MAX_BIAS,
+        MAX_LOST, MAX_SAMPLES, MIN_GROWTH, NEGLIGIBLE, OF_RANDOM_POINTS, ROUNDED, SINGLE,
+        UNCOUPLED,
     },
     sum::{BIAS_LEVELS, Sum, Term},
 };
@@ -218,7 +219,8 @@ impl<'a> Estimator<'a> {
             } else {
                 let begin = &self.levels[self.first];
                 let wide = sums.iter().any(wide);
-                let heavy = numbers.iter().any(|&k| begin.values[k].is_heavy());
+                let is_heavy = |&k: &usize| begin.values[k].is_heavy() && !self.is_still(k);
+                let heavy = numbers.iter().any(is_heavy);
                 let enough = !wide && (!heavy || begin.count() >= MAX_SAMPLES);
                 let most = MAX_BIAS * accuracy;
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
@@ -348,13 +350,20 @@ impl<'a> Estimator<'a> {
     /// Warnings of what the steps of the last level do not resolve.
     fn unresolved(&self) -> Vec<Warning> {
         let names: Vec<&str> = self.observables.iter().map(|phi| phi.name()).collect();
-        let drive = self.drive.unresolved(self.steps(self.levels.len() - 1));
+        let last = self.levels.len() - 1;
+        let (drive, turn) = (self.drive.unresolved(self.steps(last)), self.turn(last));
         let wanted = (self.accuracy, self.is_single(self.first));
-        unresolved(&self.levels[1..], (&self.damping, drive), &names, wanted)
+        unresolved(&self.levels[1..], (&self.damping, drive, turn), &names, wanted)
+    }
+
+    /// The angle by which the fastest motion turns in a step of a level.
+    fn turn(&self, level: usize) -> f64 {
+        let t_end = self.candidate.setup.problem.t_end;
+        self.expect.settings.fastest * t_end / self.steps(level) as f64
     }
 
     /// Least number of path-steps that the accuracy takes: those of missing points, on levels that
-    /// are fine enough; else those of finer levels that the damping needs.
+    /// are fine enough; else those of finer levels that damping and fast motion need.
     fn least_cost(&self, sums: &[Sum], finer: bool) -> f64 {
         let last = &self.levels[self.levels.len() - 1];
         if !finer {
@@ -362,9 +371,10 @@ impl<'a> Estimator<'a> {
             return costs.fold(0.0, f64::max);
         }
         let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
+        let more = exponent.max(self.turn(last.level) / LARGEST_TURN);
         // A pilot on a level with as many more steps, and on those below it.
-        let lasts = self.noisy && exponent > 1.0;
-        if lasts { 2.0 * self.cost(last, GROUP_PATHS) as f64 * exponent } else { 0.0 }
+        let lasts = self.noisy && more > 1.0;
+        if lasts { 2.0 * self.cost(last, GROUP_PATHS) as f64 * more } else { 0.0 }
     }
 
     /// The numbers of the test functions for which more samples are of use: those with a variance,
@@ -471,11 +481,24 @@ impl<'a> Estimator<'a> {
         Ok(true)
     }
 
-    /// Whether test function number k is smooth and the same to the bit on all paths of each level:
-    /// noise does not move it.
+    /// Whether test function number k is smooth and the same on all paths of each level, but for
+    /// rounding errors: noise does not move it.
     pub fn is_still(&self, k: usize) -> bool {
-        self.observables[k].is_smooth() == Some(true)
-            && self.levels.iter().all(|level| level.values.get(k).is_none_or(Values::is_blind))
+        let same = |level: &Samples| {
+            let one = |of: &Values| {
+                let rounding = ROUNDED * of.fine.mean().abs();
+                of.is_blind() || of.spread() <= rounding.min(NEGLIGIBLE * self.accuracy)
+            };
+            level.values.get(k).is_none_or(one)
+        };
+        self.observables[k].is_smooth() == Some(true) && self.levels.iter().all(same)
+    }
+
+    /// Bound of the rounding errors of the steps of a level: 8√n by chance, and more where solvers
+    /// stop on one side.
+    fn rounding(&self, level: usize, values: &Values) -> f64 {
+        let steps = self.steps(level) as f64;
+        32.0 * steps.sqrt() * f64::EPSILON * values.fine.mean().abs()
     }
 
     /// Range of test function number k: that on all levels so far, or one if it is the same on all;
@@ -505,10 +528,7 @@ impl<'a> Estimator<'a> {
             Some(false) if !self.noisy => Extrapolation::of_no_order(last),
             _ => extrapolation(last, orders, seen, single),
         };
-        // Rounding errors of n steps: 8√n by chance, and more where solvers stop on one side.
-        let steps = self.steps(self.levels.len() - 1) as f64;
-        let size = samples.values[k].fine.mean().abs();
-        let rounding = 32.0 * steps.sqrt() * f64::EPSILON * size;
+        let rounding = self.rounding(self.levels.len() - 1, &samples.values[k]);
         extrapolation.size += rounding;
         let below = if single { &last[..2] } else { &[] };
         let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();

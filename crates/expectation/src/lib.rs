@@ -154,6 +154,9 @@ pub struct ExpectSettings {
     /// The weak order p of the scheme, if it is not that of the chosen one, or one; the next power
     /// of τ in its bias is then p + 1.
     pub weak_order: Option<f64>,
+    /// The rate of the fastest motion, in radians per time, of which a step of the finest level has
+    /// one radian at most; zero, for one that is not known, unless set.
+    pub fastest: f64,
     /// Whether points are random in the place of Sobol points.
     pub random_points: bool,
     /// Steps on the coarsest level, from 1 to 2²⁴; one unless set. Schemes that truncate increments
@@ -176,6 +179,7 @@ impl Default for ExpectSettings {
             // Of order τ⁴.
             truncation: Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}")),
             weak_order: None,
+            fastest: 0.0,
             random_points: false,
             coarsest_steps: 1,
             max_level: 16,
@@ -426,7 +430,13 @@ impl<'a> Expect<'a> {
                     let best = best.map(|best| Expectation { cost: spent.get(), ..best });
                     return best.ok_or(error);
                 }
-                Err(error) => return Err(error),
+                Err(error) => {
+                    // Going on from these samples would fail again.
+                    if let Some(checkpoint) = checkpoint {
+                        checkpoint.remove();
+                    }
+                    return Err(error);
+                }
             }
         }
         best.ok_or(RunError::Stopped)

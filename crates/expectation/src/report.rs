@@ -171,7 +171,7 @@ pub enum WarningKind {
     /// The steps of the finest level do not resolve this component of the state, counted from one.
     /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no
     /// less than on coarser levels: a fast motion that the steps do not resolve looks like a slow
-    /// one. Blocks [`Judged::resolution`], as the next four do.
+    /// one. Blocks [`Judged::resolution`], as the next five do.
     Component(usize),
     /// The steps of the finest level do not resolve φ: it multiplies phases that the states
     /// resolve, or has other events on fine paths than on coarse ones.
@@ -187,6 +187,10 @@ pub enum WarningKind {
     /// damping: each of three steps in a row has an ∫|γ| above one. Step sizes that all forget
     /// noise and forces agree.
     StrongDamping,
+    /// The [fastest motion](super::ExpectSettings::fastest) turns by more than one radian in a step
+    /// of the finest level. Exact flows have its phase at any step size, and the effects of noise
+    /// and damping on it only where they are often enough.
+    FastMotion,
     /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
     /// observed order then.
     Order,

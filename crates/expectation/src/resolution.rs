@@ -17,7 +17,8 @@ use super::{
     level::{Samples, Values},
     report::{Warning, WarningKind},
     rules::{
-        BEGUN, DAMPED, ERROR, GAIN, LARGEST_EXPONENT, MIN_TIMES, RESOLVED, SCATTERED, VANISHES,
+        BEGUN, DAMPED, ERROR, GAIN, LARGEST_EXPONENT, LARGEST_TURN, MIN_TIMES, RESOLVED, SCATTERED,
+        VANISHES,
     },
 };
 use mc::{DampingResolution, View, add_rows};
@@ -187,7 +188,7 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
 /// Nothing is known of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
-    (damping, drive): (&DampingResolution<'_>, Option<f64>),
+    (damping, drive, turn): (&DampingResolution<'_>, Option<f64>, f64),
     names: &[&str],
     (accuracy, single): (f64, bool),
 ) -> Vec<Warning> {
@@ -225,8 +226,12 @@ pub fn unresolved(
         let how = format!("it changes within a step near t = {t:.4} more than from step to step");
         warning(WarningKind::Drive, "H(t)", how)
     });
+    let turn = (turn > LARGEST_TURN).then(|| {
+        let how = format!("it turns by {turn:.1e} radians in a step");
+        warning(WarningKind::FastMotion, "the fastest motion", how)
+    });
     let mut warnings: Vec<_> =
-        component.into_iter().chain(strong.or_else(damping)).chain(drive).collect();
+        component.into_iter().chain(strong.or_else(damping)).chain(drive).chain(turn).collect();
     // Of single paths only the means must agree: the bound on the bias is for them.
     let scattered = |k: usize| levels.iter().all(|samples| is_scattered(&samples.values[k]));
     for (k, name) in names.iter().enumerate() {

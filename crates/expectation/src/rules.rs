@@ -15,6 +15,12 @@ pub const BIAS_PART: f64 = 0.5;
 /// levels are added for ever where φ hardly varies: half of the statistical half-width is round-off
 /// there.
 pub const BIAS_ENOUGH: f64 = 1.0 / 64.0;
+/// Largest distance of samples of φ, over φ, that are the same but for rounding errors, which large
+/// increments and terms that cancel make larger than those of single operations.
+pub const ROUNDED: f64 = 1e-9;
+/// Part of the accuracy for which that is asked. Without it, and without rounding errors, samples
+/// of a constant look like rare events.
+pub const NEGLIGIBLE: f64 = 1e-3;
 /// Part of the accuracy for the bias on the finest level allowed, above which more points are of no
 /// use. Without it points are doubled up to the limit although the bias alone misses the accuracy.
 pub const MAX_BIAS: f64 = 0.5;
@@ -103,6 +109,10 @@ pub const MIN_TIMES: f64 = 8.0;
 /// variance x/sinh x of the true one, x = γτ, which has an expansion in τ where x is below one.
 /// With more, step sizes agree that all forget noise and forces.
 pub const LARGEST_EXPONENT: f64 = 1.0;
+/// The largest angle by which the fastest motion turns in a step of the last level, and by two and
+/// four times as much on the levels below. With π, squares of a rotation look constant at all
+/// steps, and noise that enters once in a turn adds up.
+pub const LARGEST_TURN: f64 = 1.0;
 /// The part of the accuracy that an error of ∫γ may have, beside φ. Without it dampings are refused
 /// for errors that no answer shows.
 pub const DAMPED: f64 = 0.01;

@@ -307,7 +307,8 @@ fn wanted(scene: &Scene) -> Done<f64> {
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.
 fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Option<String>)> {
     let settings = &scene.settings;
-    let with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
+    let fastest = scene.model.fastest();
+    let with = ExpectSettings { key: settings.key, fastest, ..ExpectSettings::default() };
     let jumps = !scene.gradient.is_empty() && jumps(scene).is_some();
     let collects = scene.collects() && (jumps || scene.gradient.is_empty());
     // Scores have weak order one.

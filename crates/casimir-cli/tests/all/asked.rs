@@ -317,3 +317,53 @@ fn options_complete_a_table() {
     lacks("accuracy = 1e-3", &["nothing is expected: give --of q"]);
     lacks("of = [\"q\"]\naccuracy = -1", &["line 13, column 12", "must be positive"]);
 }
+
+/// The flow of a rotation has its phase at any step; noise and friction enter it once in a step,
+/// which was once in eight turns here, and for a spin along one direction.
+#[test]
+fn exact_flows_resolve_fast_motion() {
+    let oscillator = "state = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"32*pi*(p^2 + q^2)\"\n\
+                      H = [\"0.1*q\"]\n[damping]\nrates = { p = 1 }\n";
+    let spin = "state = [\"q\", \"y\", \"z\"]\nB = \"spins\"\nH0 = \"-128*pi*z\"\nH = [\"q\"]\n";
+    for (system, initial, of, exact) in [
+        // Averages over a turn: half of the friction and of the noise act.
+        (oscillator, "1, 0", "q^2 + p^2", (-1f64).exp() + 0.01 * (1.0 - (-1f64).exp())),
+        (spin, "1, 0, 0", "q", (-0.25f64).exp()),
+    ] {
+        let text = format!(
+            "[system]\n{system}[run]\ninitial = [{initial}]\nuntil = 1\nsteps = 100\n\
+             [expect]\nof = [\"{of}\"]\naccuracy = 0.02\n"
+        );
+        let found = json(with_scene(&text).path(), &["expect", "scene.toml", "--json"]);
+        let one = &found["estimates"][0];
+        let far = (one["value"].as_f64().unwrap() - exact).abs();
+        assert!(found["scheme"] == "nv" && found["reached"] == true, "{found:#}");
+        assert!(far < 2.5 * one["half_width"].as_f64().unwrap(), "{far} {found:#}");
+        // The twin: eight steps, as there were.
+        assert!(found["levels"].as_array().unwrap().len() > 8, "{found:#}");
+    }
+}
+
+/// Samples of a constant with rounding errors are no rare events.
+#[test]
+fn rounding_errors_are_no_rare_events() {
+    let text = "[system]\nname = \"sphere-euler\"\nparameters = { size = 6, advection = 0, \
+                degrees = 1, strengths = 0.5 }\n[run]\ninitial = [0, 0, 1]\nuntil = 0.5\n\
+                steps = 20\n[expect]\nof = [\"energy\"]\naccuracy = 0.01\n";
+    let found = json(with_scene(text).path(), &["expect", "scene.toml", "--json"]);
+    assert!(found["reached"] == true && found["warnings"] == serde_json::json!([]), "{found:#}");
+    assert!((found["estimates"][0]["value"].as_f64().unwrap() - 0.25).abs() < 1e-10);
+}
+
+/// An expectation that failed keeps no samples, which would refuse the scene once it is mended.
+#[test]
+fn what_failed_is_not_gone_on_with() {
+    let text = "[system]\nstate = [\"x\"]\ndrift = [\"x^2\"]\nnoise = [[\"0.1\"]]\n\
+                [run]\ninitial = [1]\nuntil = 2\nsteps = 20\n[expect]\nof = [\"x\"]\n\
+                accuracy = 0.05\n";
+    let folder = with_scene(text);
+    fails(folder.path(), &["expect", "scene.toml"], 1, &["failed"]);
+    std::fs::write(folder.path().join("scene.toml"), text.replace("x^2", "x - x^2")).unwrap();
+    let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+    assert!((found["estimates"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.06, "{found:#}");
+}
