@@ -534,8 +534,15 @@ impl<'a> Estimator<'a> {
         let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();
         let lost = self.levels[first..].iter().map(Samples::lost).sum::<f64>() * range;
         let confidence = if self.sobol { CONFIDENCE } else { OF_RANDOM_POINTS };
-        let replicates = self.replicates as f64;
-        Sum { terms, extrapolation, single, replicates, confidence, lost, rounding }
+        let (replicates, beside) = (self.replicates as f64, 0.0);
+        let mut sum =
+            Sum { terms, extrapolation, single, replicates, confidence, lost, rounding, beside };
+        let value = |sum: &Sum| sum.over(|weight, term| weight * term.mean);
+        let steps = self.steps(self.levels.len() - 1) as f64;
+        let (place, own) = ((k, self.observables.len()), value(&sum));
+        let other = |k: usize| value(&self.sum_from(first, k));
+        sum.beside = self.expect.beside(place, (steps, self.accuracy), own, other);
+        sum
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),

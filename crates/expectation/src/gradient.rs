@@ -34,6 +34,20 @@ pub struct Nearby<'a> {
     pub observables: Vec<&'a dyn Observe>,
 }
 
+impl Nearby<'_> {
+    /// What the change leaves of the derivative `slope` of φ: 10⁻⁶ of it, or what curvature is
+    /// known to add, and the rounding errors of φ over the change.
+    fn left(&self, steps: f64, phi: f64, slope: f64) -> f64 {
+        let rounding = ROUND_OFF * (0.5 * steps.sqrt()).max(1.0) * phi.abs();
+        self.curvature.max(CURVATURE) * slope.abs() + rounding / self.change.abs()
+    }
+}
+
+/// Whether samples for the rest of the accuracy are drawn.
+fn is_within(least: f64, accuracy: f64) -> bool {
+    least <= 0.5 * accuracy
+}
+
 /// Distance of nearby states, over their size, that a pilot takes for close.
 const APART: f64 = 1e-3;
 /// Part of a derivative that curvature may add at distances of 10⁻⁷ or 10⁻⁶.
@@ -81,22 +95,22 @@ impl<'a> Expect<'a> {
         Ok(self)
     }
 
-    /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative
-    /// 10⁻⁶ of it, or what curvature is known to add, and rounding errors of φ over the change, of
-    /// each value its offset, which is taken out.
+    /// Adds to the bounds of the bias what the changes of parameters leave: of each derivative what
+    /// is too much for samples to be drawn for the rest of the accuracy, of each value its offset,
+    /// which is taken out.
     pub(super) fn bound(&self, found: &mut Expectation) {
         let t_end = self.candidates[0].setup.problem.t_end;
         let steps = found.levels.iter().map(|level| t_end / level.tau).fold(1.0, f64::max);
-        let round_off = ROUND_OFF * (0.5 * steps.sqrt()).max(1.0);
         for (one, (_, slopes)) in self.parameters.iter().zip(&mut found.gradient) {
             // One without a mean has no bound.
             for (own, slope) in
                 found.estimates.iter_mut().zip(slopes).filter(|(_, slope)| slope.value.is_finite())
             {
-                let rounding = round_off * own.value.abs() / one.change.abs();
-                let least = one.curvature.max(CURVATURE) * slope.value.abs() + rounding;
+                let least = one.left(steps, own.value, slope.value);
                 let was_reached = slope.half_width() <= found.accuracy;
-                slope.bias_bound += least;
+                if !is_within(least, found.accuracy) {
+                    slope.bias_bound += least;
+                }
                 if was_reached && slope.half_width() > found.accuracy {
                     let what = "the change of the parameter alone leaves an error";
                     let message = Message::new(format!("{what} up to {}", short(least)))
@@ -109,6 +123,22 @@ impl<'a> Expect<'a> {
                 own.bias_bound += shift.abs();
             }
         }
+    }
+
+    /// What the change of a parameter leaves of test function number k of `number`, with its value,
+    /// if it is a derivative and half of the accuracy is more; `value_of` has the others.
+    pub(super) fn beside(
+        &self,
+        (k, number): (usize, usize),
+        (steps, accuracy): (f64, f64),
+        value: f64,
+        value_of: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let plain = number / (1 + self.parameters.len());
+        let Some(slope) = k.checked_sub(plain) else { return 0.0 };
+        let one = &self.parameters[slope / plain];
+        let least = one.left(steps, value_of(slope % plain), value);
+        if is_within(least, accuracy) { least } else { 0.0 }
     }
 
     /// Distances at T of what is nearby over its size, in the root mean square over 32 paths, for

@@ -87,6 +87,8 @@ pub struct Sum {
     pub lost: f64,
     /// Bound of the rounding errors of all steps.
     pub rounding: f64,
+    /// What the change of a parameter leaves of a derivative.
+    pub beside: f64,
 }
 
 impl Sum {
@@ -143,7 +145,7 @@ impl Sum {
     pub fn bias_bound(&self) -> f64 {
         let Extrapolation { size, standard_error, .. } = self.extrapolation;
         let margin = if self.single { 0.0 } else { self.quantile() * standard_error };
-        size + margin + self.lost
+        size + margin + self.lost + self.beside
     }
 
     /// Amount that extrapolation adds.

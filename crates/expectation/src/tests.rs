@@ -188,6 +188,7 @@ fn a_skew_mean_has_a_wider_interval() {
         confidence: 0.95,
         lost: 0.0,
         rounding: 0.0,
+        beside: 0.0,
     };
     // Student's quantile of fifteen degrees of freedom, of tables.
     let x: f64 = 2.131_449_546;
@@ -264,7 +265,7 @@ fn found_of(levels: &[Samples], wanted: (f64, bool)) -> Vec<Warning> {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
     let damping = DampingResolution::new(&Setup::of(&problem, &Heun), 4);
-    unresolved(levels, (&damping, None), &["phi"], wanted)
+    unresolved(levels, (&damping, None, 0.0), &["phi"], wanted)
 }
 
 #[test]

@@ -15,6 +15,9 @@ use casimir::{
 use crate::{Settled, data::read, expect, lines_of, prelude::*, source};
 use scenes::Source;
 
+/// Largest number of radians of the fastest motion that steps follow.
+const MAX_TURNS: f64 = 1e6;
+
 /// Parameters from means, variances, quantiles or samples of data, with 95 % intervals.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -80,8 +83,9 @@ impl Verb for Fit {
         let (names, data) = read(&self.source()?, &known)?;
         let start = self.start(scene)?;
         let intervals = Paths::intervals(&data)?;
-        // An even number of steps in all.
-        let steps = 2 * intervals * coarsest_steps(data.until()).div_ceil(intervals);
+        // An even number of steps in all, of which two have a radian of the fastest motion at most.
+        let turns = (scene.model.fastest() * data.until()).ceil().min(MAX_TURNS) as u64;
+        let steps = 2 * intervals * coarsest_steps(data.until()).max(turns).div_ceil(intervals);
         let (truncation, key) = (scene.settings.truncation, scene.settings.key);
         let (mut changes, mut scheme_of) = (None::<Vec<f64>>, None);
         // Evaluations of the model in their order: a fit that goes on takes them again.

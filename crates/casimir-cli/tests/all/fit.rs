@@ -116,6 +116,20 @@ fn parameters_are_those_of_closed_forms() {
     are(&fit(ORNSTEIN, &data, &["--of", "f,s"]), &[0.9, 0.6]);
 }
 
+/// A rotation that turns sixteen times: as often as there are steps in a unit of time where nobody
+/// asks for it, and then friction does not act. Averages over a turn are right to g/4w.
+#[test]
+fn steps_follow_the_fastest_motion() {
+    let text = ORNSTEIN
+        .replace("\"p^2/2\"", "\"16*pi*(p^2 + q^2)\"")
+        .replace("s = 0.5", "s = 0.1")
+        .replace("[run]", "[observe]\ne = \"q^2 + p^2\"\n[run]");
+    let exact = |t: f64| (-t).exp() + 0.01 * (1.0 - (-t).exp());
+    let data = table("e", 0.002, &[("mean", &exact)]);
+    let found = &fit(&text, &data, &["--of", "f"])["parameters"][0];
+    assert!((found["value"].as_f64().unwrap() - 1.0).abs() < 0.01, "{found}");
+}
+
 #[test]
 fn combinations_that_data_do_not_show_are_named() {
     let data = table("q", 0.01, &[("mean", &mean_q(1.0, 0.5))]);

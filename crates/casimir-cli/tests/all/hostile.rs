@@ -138,7 +138,7 @@ fn what_fits_is_computed() {
         .replace("energy = \"H0\"\n", &format!("energy = \"H0\"\n{ring}"));
     for (scene, arguments, megabytes) in [
         (named, "run scene.toml", 4000),
-        (one, "run scene.toml --threads 2 --set k=0:1:400", 300),
+        (one, "run scene.toml --threads 2 --set k=0:1:400", 400),
         (ring, "run scene.toml --threads 2", 800),
     ] {
         let output = confined(with_scene(&scene).path(), arguments, megabytes);
