@@ -18,6 +18,7 @@ use noise::{Purpose, StreamKey, Truncation};
 use real::{
     PathMask, Row, WIDTH,
     elementary::{exp2, ln, powf},
+    golden,
 };
 use serde::Serialize;
 use stats::CrossMoments;
@@ -107,6 +108,8 @@ const HIDDEN: f64 = 2.0;
 const WORTH: f64 = 0.1;
 /// Rounding relative to the terms of a mean, and of the root of a difference of their squares.
 const ROUNDING: [f64; 2] = [1e-12, 1e-7];
+/// Largest relative change of the components by which rounding errors of φ are seen.
+const CHANGE: f64 = 1e-10;
 /// Number of paths of the run for each path of the check, and number of paths that the run
 /// simulates besides for its bins: three steps for each step of the run make a tenth.
 const SHARE: u64 = 30;
@@ -216,14 +219,15 @@ pub fn step_check(
     });
     let observables: &[Centered<'_>] = &centered.collect::<Vec<_>>();
     let new = || {
-        let sums = vec![CrossMoments::new(3); each * observables.len()];
+        let sums = vec![CrossMoments::new(4); each * observables.len()];
         AtBoth { each, sums, steps, observables }
     };
     let Some(measured) = ladder.run_in(job, "steps", paths, new) else { return Ok(None) };
     let all = observables.iter().zip(measured.statistic.sums.chunks(each)).map(|(phi, sums)| {
-        let mut found = errors(*phi, &sums[each - 1]);
+        let mut found = errors(*phi, &sums[each - 1], steps);
         if each > 1 {
-            let growth = (found.along_paths / errors(*phi, &sums[0]).along_paths).clamp(1.0, 2.0);
+            let before = errors(*phi, &sums[0], steps).along_paths;
+            let growth = (found.along_paths / before).clamp(1.0, 2.0);
             // t^g over PARTS blocks, with 2^g = growth.
             let grown = powf(PARTS as f64, ln(growth) / LN_2);
             found.along_paths *= if grown.is_nan() { 1.0 } else { grown };
@@ -250,8 +254,8 @@ pub fn step_check(
 /// An observable φ with a value c near its own.
 type Centered<'a> = (&'a dyn Observe, f64);
 
-/// Moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b² for each observable φ, at the end, and of
-/// blocks in the middle before.
+/// Moments of a = φ_τ − c, b = φ_{τ/2} − c, a² − b² and the change of φ_τ by [relative changes](CHANGE) of
+/// the components, for each observable φ, at the end, and of blocks in the middle before.
 struct AtBoth<'a> {
     /// Number of times.
     each: usize,
@@ -267,11 +271,19 @@ impl Statistic for AtBoth<'_> {
             return;
         }
         let sums = self.sums.iter_mut().skip(if is_end { each - 1 } else { 0 }).step_by(each);
+        let mut changed = view.state(0).to_vec();
+        for (i, row) in changed.iter_mut().enumerate() {
+            let part = CHANGE * (2.0 * golden(i as f64 + 1.0) - 1.0);
+            row.iter_mut().for_each(|y| *y += part * *y);
+        }
         for ((phi, center), sums) in self.observables.iter().zip(sums) {
             let values = [0, 1].map(|run| phi.values(view.state(run), view.live));
+            let changed = phi.values(&changed, view.live);
             for p in view.live.paths() {
                 let [a, b] = values.map(|row| row[p] - center);
-                sums.add(&[a, b, a * a - b * b]);
+                let change = changed[p] - values[0][p];
+                let change = if change.is_finite() { change } else { 0.0 };
+                sums.add(&[a, b, a * a - b * b, change]);
             }
         }
     }
@@ -293,8 +305,8 @@ impl Kept for AtBoth<'_> {
     }
 }
 
-/// The step errors of an observable from its moments.
-fn errors((phi, center): Centered<'_>, moments: &CrossMoments) -> StepErrors {
+/// The step errors of an observable from its moments at the end of so many steps.
+fn errors((phi, center): Centered<'_>, moments: &CrossMoments, steps: u64) -> StepErrors {
     let (count, a, b) = (moments.count() as f64, moments.mean(0), moments.mean(1));
     // Of one path there is no variance, and without noise none is needed.
     let covariance = |k, l| match moments.count() {
@@ -309,11 +321,14 @@ fn errors((phi, center): Centered<'_>, moments: &CrossMoments) -> StepErrors {
     // What is left of a difference of squares by rounding.
     let root = ROUNDING[1] * a.abs();
     let above = |x: f64| if x <= root { 0.0 } else { x };
+    // A sum that is zero by symmetry has the rounding errors of its terms.
+    let change = (moments.mean(3).powi(2) + count * covariance(3, 3)).max(0.0).sqrt();
+    let of_terms = 64.0 * (steps as f64).sqrt() * f64::EPSILON / CHANGE * change;
     let mean = Halved {
         value: center + a,
         difference: a - b,
         standard_error: above(error([1.0, -1.0, 0.0])),
-        rounding: ROUNDING[0] * (center.abs() + a.abs()),
+        rounding: (ROUNDING[0] * (center.abs() + a.abs())).max(of_terms),
         of_error: 1.0 / (1.0 - exp2(-phi.weak_order())),
     };
     let [first, second] = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
@@ -326,6 +341,7 @@ fn errors((phi, center): Centered<'_>, moments: &CrossMoments) -> StepErrors {
         rounding: mean.rounding + root,
         ..mean
     };
-    let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
+    let along = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
+    let along_paths = if along <= of_terms { 0.0 } else { along };
     StepErrors { observable: phi.name().into(), mean, deviation, along_paths }
 }

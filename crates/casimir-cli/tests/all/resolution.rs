@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{json, succeeds, with_scene};
+use crate::common::{json, run, succeeds, with_scene};
 
 /// A particle that is pushed by f(t): p(T) = ∫f where k = 0.
 fn driven(force: &str, k: &str, run: &str) -> String {
@@ -178,4 +178,27 @@ fn fast_and_rough_rates_are_integrated_at_once_and_exactly() {
         assert!(start.elapsed().as_secs() < 20, "{rate}: {:?}", start.elapsed());
         succeeds(folder.path(), &["inspect", "scene.toml"]);
     }
+}
+
+/// Sums that are zero by symmetry have the rounding errors of their terms, and no digit is wrong.
+#[test]
+fn zeros_by_symmetry_have_rounding_errors() {
+    let text = "[system]\nstate = [\"q[1..3]\", \"p[1..3]\"]\nB = \"canonical\"\n\
+                H0 = \"dot(p, p)/2 + (q1 - q2)^2/2 + (q2 - q3)^4/4\"\n\
+                [run]\ninitial = [0.7, 0.2, -0.9, 0.3, -0.1, -0.2]\nuntil = 5\nsteps = 500\n\
+                [observe]\nP = \"p1 + p2 + p3\"\nQ = \"(q1 + q2 + q3)/3\"\n";
+    let lattice = "[system]\nname = \"spin-lattice\"\nparameters = { sizes = [16], periodic = true, \
+                   field = [0, 0, 0.5] }\n[run]\ninitial = [\"0.001*cos(2*pi*3*x/16)\", \
+                   \"0.001*sin(2*pi*3*x/16)\", \"sqrt(1-1e-6)\"]\nuntil = 2\nsteps = 400\n";
+    for (text, paths) in [(text, "1"), (lattice, "1"), (lattice, "100")] {
+        let words = ["run", "scene.toml", "--json", "--paths", paths];
+        let found = json(with_scene(text).path(), &words);
+        assert_eq!(found["warnings"], serde_json::json!([]), "{paths}: {found:#}");
+    }
+    // The twin: too few steps, and P is still zero.
+    let said = run(with_scene(text).path(), &["run", "scene.toml", "--steps", "5"]);
+    let said =
+        String::from_utf8_lossy(&said.stderr).into_owned() + &String::from_utf8_lossy(&said.stdout);
+    let warning = said.lines().find(|line| line.contains("no digit")).expect("a warning");
+    assert!(warning.contains("q1") && !warning.contains('P'), "{said}");
 }
