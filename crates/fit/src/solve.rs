@@ -90,7 +90,9 @@ pub struct Fit {
     pub effort: Effort,
     /// Number of evaluations of the model.
     pub evaluations: u32,
-    /// Warnings for a reader.
+    /// Whether Monte Carlo or step errors, which the intervals have, widen one by more than a tenth.
+    pub widened: bool,
+    /// Warnings for a reader; also of what widens the intervals.
     pub warnings: Vec<Warning>,
 }
 
@@ -105,9 +107,9 @@ impl Fit {
         (self.values[k] - self.half_width(k), self.values[k] + self.half_width(k))
     }
 
-    /// Whether nothing speaks against the fit.
+    /// Whether nothing speaks against the fit. Intervals may be wider than the data make them.
     pub fn is_good(&self) -> bool {
-        self.warnings.is_empty()
+        self.warnings.len() == usize::from(self.widened)
     }
 }
 
@@ -265,6 +267,7 @@ pub fn fit<E>(
         let others = others.into_iter().filter(|(holds, ..)| *holds);
         let others = others.map(|(_, what, remedy)| Warning::new(what).with_remedy(remedy));
         fit.warnings.extend(wrong.into_iter().chain(others));
+        fit.widened = next != effort;
         return Ok(fit);
     }
 }
@@ -385,6 +388,7 @@ fn judged(to: &Whitening, names: &[String], found: &Point, effort: Effort) -> Fi
         covariance,
         effort,
         evaluations: 0,
+        widened: false,
         warnings: Vec::new(),
     }
 }

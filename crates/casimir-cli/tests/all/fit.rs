@@ -108,6 +108,11 @@ fn parameters_are_those_of_closed_forms() {
     };
     let alone = fit(KUBO, &data, &["--threads", "1"]);
     assert_eq!(but_time(found), but_time(alone));
+    // Few paths widen the intervals, which is said, and are no failure.
+    let few = fit(KUBO, &data, &["--path-steps", "1e5"]);
+    assert!(
+        few["reached"] == true && few["warnings"][0]["what"].as_str().unwrap().contains("widen")
+    );
     // Of normal laws; the fit begins elsewhere.
     let deviation = |t: f64| 0.6 * ((1.0 - (-1.8 * t).exp()) / 1.8f64).sqrt();
     let quantile = |z: f64| move |t: f64| (-0.9 * t).exp() + z * deviation(t);
