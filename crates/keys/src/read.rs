@@ -88,7 +88,8 @@ pub fn is_column(name: &str) -> bool {
 
 /// The error for a name that a column of the tables has already.
 pub fn taken(name: &Name) -> Wrong {
-    let message = "is a column of the tables already: choose another name";
+    let message = "is a column of the tables already, as laws (C1, H0), `t` and `path` are: choose \
+                   another name";
     Wrong::new(name, format_args!("`{}` {message}", **name))
 }
 

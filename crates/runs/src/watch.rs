@@ -80,7 +80,9 @@ impl Watch {
                 _ if half_width <= accuracy => return,
                 false if since < PATIENCE.as_secs_f64() => return,
                 false => "no estimate yet".into(),
-                true => match (whole - since).max(1.0) / 60.0 {
+                true => match (whole - since) / 60.0 {
+                    // What is left is the step error, and not sampling.
+                    more if more < 0.05 => format!("±{half_width:.1e} so far"),
                     more if more < MANY_MINUTES => {
                         format!("±{half_width:.1e} so far, about {more:.1} more")
                     }

@@ -210,7 +210,8 @@ fn average(
         let along = i.map_or(String::new(), |i| format!(" along {}", scene.components[i]));
         let words =
             format!("no stationary law: H0 falls without bound{along}, so that exp(-H0/kT)");
-        return Err(Failure::Run(format!("{words} has no integral")));
+        let remedy = "for functions of an angle name a scheme that follows paths, such as baoab";
+        return Err(Failure::Run(format!("{words} has no integral; {remedy}")));
     }
     equilibrium.components.clone_from(&scene.components);
     equilibrium.watched = observed(&scene.energy);
