@@ -254,7 +254,7 @@ pub fn step_check(
 /// An observable φ with a value c near its own.
 type Centered<'a> = (&'a dyn Observe, f64);
 
-/// Moments of a = φ_τ − c, b = φ_{τ/2} − c, a² − b² and the change of φ_τ by [relative changes](CHANGE) of
+/// Moments of a = φ_τ − c, b = φ_{τ/2} − c, a² − b² and the change of φ_τ by [changes](CHANGE) of
 /// the components, for each observable φ, at the end, and of blocks in the middle before.
 struct AtBoth<'a> {
     /// Number of times.
@@ -305,7 +305,7 @@ impl Kept for AtBoth<'_> {
     }
 }
 
-/// The step errors of an observable from its moments at the end of so many steps.
+/// The step errors of an observable from its moments after `steps`.
 fn errors((phi, center): Centered<'_>, moments: &CrossMoments, steps: u64) -> StepErrors {
     let (count, a, b) = (moments.count() as f64, moments.mean(0), moments.mean(1));
     // Of one path there is no variance, and without noise none is needed.

@@ -35,8 +35,8 @@ pub struct Nearby<'a> {
 }
 
 impl Nearby<'_> {
-    /// What the change leaves of the derivative `slope` of φ: 10⁻⁶ of it, or what curvature is
-    /// known to add, and the rounding errors of φ over the change.
+    /// Error that the change leaves of the derivative `slope` of φ: 10⁻⁶ of it, or what curvature
+    /// is known to add, and the rounding errors of φ over the change.
     fn left(&self, steps: f64, phi: f64, slope: f64) -> f64 {
         let rounding = ROUND_OFF * (0.5 * steps.sqrt()).max(1.0) * phi.abs();
         self.curvature.max(CURVATURE) * slope.abs() + rounding / self.change.abs()
@@ -125,8 +125,8 @@ impl<'a> Expect<'a> {
         }
     }
 
-    /// What the change of a parameter leaves of test function number k of `number`, with its value,
-    /// if it is a derivative and half of the accuracy is more; `value_of` has the others.
+    /// Error that the change of a parameter leaves of test function number k of `number`, with its
+    /// value, if it is a derivative and half of the accuracy is more; `value_of` has the others.
     pub(super) fn beside(
         &self,
         (k, number): (usize, usize),

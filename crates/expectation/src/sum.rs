@@ -87,7 +87,7 @@ pub struct Sum {
     pub lost: f64,
     /// Bound of the rounding errors of all steps.
     pub rounding: f64,
-    /// What the change of a parameter leaves of a derivative.
+    /// Error of a derivative that the change of its parameter leaves.
     pub beside: f64,
 }
 

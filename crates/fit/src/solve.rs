@@ -90,7 +90,7 @@ pub struct Fit {
     pub effort: Effort,
     /// Number of evaluations of the model.
     pub evaluations: u32,
-    /// Whether Monte Carlo or step errors, which the intervals have, widen one by more than a tenth.
+    /// Whether Monte Carlo or step errors, which intervals have, widen one by more than a tenth.
     pub widened: bool,
     /// Warnings for a reader; also of what widens the intervals.
     pub warnings: Vec<Warning>,
