@@ -598,3 +598,30 @@ fn derivatives_without_noise_know_their_rounding() {
         assert_eq!(said, code == 1, "{found:#}");
     }
 }
+
+/// What the change of θ leaves of a derivative, here by the rounding errors of 30 000, counts before
+/// samples stop. Black and Scholes: ∂/∂r of the price of a call is KTe^{−rT}N(d₂) = 31.505.
+#[test]
+fn samples_make_room_for_what_the_change_leaves() {
+    let text = r#"
+[system]
+state = ["S"]
+parameters = { S0 = 100, K = 105, r = 0.03, v = 0.25 }
+calculus = "ito"
+drift = ["r*S"]
+noise = [["v*S"]]
+[run]
+initial = ["S0"]
+until = 0.75
+steps = 100
+[expect]
+of = ["exp(-r*0.75)*max(S - K, 0) + 30000"]
+accuracy = 0.05
+gradient = ["r"]
+"#;
+    let found = json(with_scene(text).path(), &["expect", "scene.toml", "--json"]);
+    let slope = &found["gradient"]["r"][0];
+    let [value, half] = ["value", "half_width"].map(|key| slope[key].as_f64().unwrap());
+    assert!(found["reached"] == true && half <= 0.05, "{found:#}");
+    assert!((value - 31.505).abs() < 1.5 * half, "{found:#}");
+}
