@@ -154,8 +154,8 @@ pub struct ExpectSettings {
     /// The weak order p of the scheme, if it is not that of the chosen one, or one; the next power
     /// of τ in its bias is then p + 1.
     pub weak_order: Option<f64>,
-    /// The rate of the fastest motion, in radians per time, of which a step of the finest level has
-    /// one radian at most; zero, for one that is not known, unless set.
+    /// The rate of the fastest motion, in radians or e-foldings per time, of which a step of the
+    /// finest level has one at most; zero, for one that is not known, unless set.
     pub fastest: f64,
     /// Whether points are random in the place of Sobol points.
     pub random_points: bool,

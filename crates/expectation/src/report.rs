@@ -187,9 +187,9 @@ pub enum WarningKind {
     /// damping: each of three steps in a row has an ∫|γ| above one. Step sizes that all forget
     /// noise and forces agree.
     StrongDamping,
-    /// The [fastest motion](super::ExpectSettings::fastest) turns by more than one radian in a step
-    /// of the finest level. Exact flows have its phase at any step size, and the effects of noise
-    /// and damping on it only where they are often enough.
+    /// The [fastest motion](super::ExpectSettings::fastest) has more than one radian, or e-folding,
+    /// in a step of the finest level. Exact flows have its phase at any step size, and the effects
+    /// of noise and damping on it only where they are often enough.
     FastMotion,
     /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
     /// observed order then.

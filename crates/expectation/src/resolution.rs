@@ -227,7 +227,7 @@ pub fn unresolved(
         warning(WarningKind::Drive, "H(t)", how)
     });
     let turn = (turn > LARGEST_TURN).then(|| {
-        let how = format!("it turns by {turn:.1e} radians in a step");
+        let how = format!("a step has {turn:.1e} radians or e-foldings of it");
         warning(WarningKind::FastMotion, "the fastest motion", how)
     });
     let mut warnings: Vec<_> =
