@@ -321,7 +321,8 @@ fn errors((phi, center): Centered<'_>, moments: &CrossMoments, steps: u64) -> St
     // What is left of a difference of squares by rounding.
     let root = ROUNDING[1] * a.abs();
     let above = |x: f64| if x <= root { 0.0 } else { x };
-    // A sum that is zero by symmetry has the rounding errors of its terms.
+    // A sum that is zero by symmetry has the rounding errors of its terms: 64ε√n of the components,
+    // where 8ε√n is by chance, times the sensitivity of φ.
     let change = (moments.mean(3).powi(2) + count * covariance(3, 3)).max(0.0).sqrt();
     let of_terms = 64.0 * (steps as f64).sqrt() * f64::EPSILON / CHANGE * change;
     let mean = Halved {

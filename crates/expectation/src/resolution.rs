@@ -9,6 +9,10 @@
 //! **Paths part** in the end, at any step size, where they do not contract or events decide, and
 //! the means of φ agree nevertheless. Then the first part of the time is asked, up to T/8 or T/64:
 //! steps that resolve a motion of the same size there are not what parts the paths later.
+//!
+//! **Exact flows** have the phase of a rotation at any step, so that states agree while noise and
+//! damping act on it once in a step only. Then a rate of the motion that is known from elsewhere is
+//! asked.
 
 use real::{PathMask, Row, WIDTH};
 use stats::{ROUND_OFF, Warning as Message};

@@ -109,6 +109,7 @@ impl Fit {
 
     /// Whether nothing speaks against the fit. Intervals may be wider than the data make them.
     pub fn is_good(&self) -> bool {
+        // One of the warnings says that.
         self.warnings.len() == usize::from(self.widened)
     }
 }

@@ -318,8 +318,8 @@ fn options_complete_a_table() {
     lacks("of = [\"q\"]\naccuracy = -1", &["line 13, column 12", "must be positive"]);
 }
 
-/// The flow of a rotation has its phase at any step; noise and friction enter it once in a step,
-/// which was once in eight turns here, and for a spin along one direction.
+/// The flow of a rotation has its phase at any step; noise and friction enter it once in a step, of
+/// which there were eight for 32 turns, and for 64 of a spin.
 #[test]
 fn exact_flows_resolve_fast_motion() {
     let oscillator = "state = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"32*pi*(p^2 + q^2)\"\n\
@@ -342,6 +342,19 @@ fn exact_flows_resolve_fast_motion() {
         // The twin: eight steps, as there were.
         assert!(found["levels"].as_array().unwrap().len() > 8, "{found:#}");
     }
+    // What no level follows is refused after the pilot.
+    let text = format!(
+        "[system]\n{}[run]\ninitial = [1, 0, 0]\nuntil = 1\nsteps = 100\n\
+         [expect]\nof = [\"q\"]\naccuracy = 0.02\n",
+        spin.replace("128", "2e6")
+    );
+    let refused = run(with_scene(&text).path(), &["expect", "scene.toml", "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
+    let words = |one: &serde_json::Value| one["what"].as_str().unwrap().to_owned();
+    let said: Vec<String> = found["warnings"].as_array().unwrap().iter().map(words).collect();
+    assert!(said.iter().any(|what| what.contains("do not resolve the fastest motion")), "{said:?}");
+    assert!(said.iter().any(|what| what.contains("out of reach")), "{said:?}");
+    assert_eq!(found["levels"].as_array().unwrap().len(), 4, "{found:#}");
 }
 
 /// Samples of a constant with rounding errors are no rare events.

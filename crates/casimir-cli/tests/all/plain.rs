@@ -500,6 +500,7 @@ fn the_sense_that_is_taken_is_said() {
     for verb in ["run", "expect", "inspect"] {
         assert!(said("[\"s*x\", \"0\"]", "", verb), "{verb}");
         assert!(!said("[\"s*x\", \"0\"]", "calculus = \"ito\"\n", verb), "{verb}");
+        assert!(said("[\"s*t*x\", \"0\"]", "", verb), "{verb}: zero at the beginning");
         // Both senses are one: the noise is of x, on v, which it does not move.
         assert!(!said("[\"0\", \"s*x\"]", "", verb), "{verb}");
     }

@@ -115,7 +115,8 @@ pub fn build_plain(reading: &Reading, drift: &Formulas) -> Read<Built> {
 fn sense(problem: &Problem, system: &FormulaSystem) -> Option<Warning> {
     let of = mc::Problem::at_run_time(problem);
     let points = around(problem.y0(), |y| system.check_domain(y).is_ok());
-    let differs = |y: &Vec<f64>| (of.coefficients)(0.0, y).correction.iter().any(|&one| one != 0.0);
+    let at = |t: f64, y: &[f64]| (of.coefficients)(t, y).correction.iter().any(|&one| one != 0.0);
+    let differs = |y: &Vec<f64>| TIMES.iter().any(|&t| at(t, y));
     points.iter().any(differs).then(|| {
         Warning::new("the equation is read as Stratonovich's")
             .with_reason("`calculus` is not given, and Itô's has another drift")
@@ -149,7 +150,7 @@ fn single(table: &SystemTable) -> Read<()> {
     Ok(())
 }
 
-/// Times at which an equation is compared, and the relative difference that counts as rounding.
+/// Times at which an equation is looked at, and the relative difference that counts as rounding.
 const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 const ROUNDING: f64 = 1e-9;
 
