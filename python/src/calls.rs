@@ -46,6 +46,7 @@ pub struct Found {
 
 /// Does work on a pool of its own, so that a process that forks later has no threads that hang.
 /// Ctrl-C stops it: what is done is returned, or `KeyboardInterrupt` is raised if there is none.
+/// Other errors, of `show` or of a handler of signals, stop it and are raised.
 pub fn watched<'py>(
     py: Python<'py>,
     text: &str,
@@ -69,6 +70,10 @@ pub fn watched<'py>(
         // Nobody waits after a second Ctrl-C.
         let _ = send.send(found);
     });
+    let shown = |words: &str| match show.as_ref().filter(|_| begun.elapsed() > SHORT) {
+        Some(show) => show.call1(py, (words,)).map(drop),
+        None => Ok(()),
+    };
     let mut interrupted: Option<(PyErr, Instant)> = None;
     let found = loop {
         match py.detach(|| receive.lock().ok().map(|receive| receive.recv_timeout(TICK))) {
@@ -79,23 +84,27 @@ pub fn watched<'py>(
             }
             Some(Err(RecvTimeoutError::Timeout)) => {}
         }
-        match (py.check_signals(), &interrupted) {
-            (Err(error), None) => {
+        // A signal is raised where Python code runs next, which may be within `show`.
+        match (py.check_signals().and_then(|()| shown(&under_way.words(begun))), &interrupted) {
+            (Err(error), None) if error.is_instance_of::<PyKeyboardInterrupt>(py) => {
                 watch.stop.now();
                 interrupted = Some((error, Instant::now()));
             }
-            (Err(error), Some(_)) => return Err(error),
+            (Err(error), _) => {
+                watch.stop.now();
+                return Err(error);
+            }
             (Ok(()), Some((_, at))) if !gives_what_is_done && at.elapsed() > PATIENCE => {
                 return Err(PyKeyboardInterrupt::new_err(()));
             }
             _ => {}
         }
-        if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
-            show.call1(py, (under_way.words(begun),))?;
-        }
     };
-    if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
-        show.call1(py, ("",))?;
+    match shown("") {
+        Err(error) if error.is_instance_of::<PyKeyboardInterrupt>(py) => {
+            interrupted.get_or_insert((error, Instant::now()));
+        }
+        shown => shown?,
     }
     match (found, interrupted) {
         (Ok(found), interrupted) => {

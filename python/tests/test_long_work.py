@@ -52,6 +52,28 @@ def test_an_interrupt_raises_if_that_is_wanted(oscillator: casimir.Scene) -> Non
     assert found.interrupted and not found.reached and found["q"].half_width < 1
 
 
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_an_interrupt_while_progress_is_shown(
+    error: type[BaseException], oscillator: casimir.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from casimir import _progress
+
+    raised = threading.Event()
+
+    def show(words: str) -> None:
+        if "% paths" in words and " 0 %" not in words and not raised.is_set():
+            raised.set()
+            raise error
+
+    monkeypatch.setattr(_progress, "_shown", lambda: show)
+    if error is KeyboardInterrupt:
+        run = oscillator.run(paths=5_000_000)
+        assert run.interrupted and 0 < run.data["paths"] < 5_000_000
+    else:
+        with pytest.raises(error):
+            oscillator.run(paths=5_000_000)
+
+
 def test_two_threads_run_at_once(oscillator: casimir.Scene) -> None:
     expected = oscillator.run(paths=20_000).arrays["q mean"].tobytes()
     with ThreadPoolExecutor(2) as pool:
@@ -84,7 +106,7 @@ def test_interrupts_of_a_notebook(oscillator: casimir.Scene, tmp_path: Path) -> 
         text = oscillator.to_toml()
         assert run(f"import casimir\nscene = casimir.Scene.from_toml({text!r})")["status"] == "ok"
         # Before the first paths are complete there is nothing to give.
-        for delay in (0.3, 0.7, 1.1):
+        for delay in (0.7, 1.1, 1.5):
             timer = threading.Timer(delay, manager.interrupt_kernel)
             timer.start()
             start = time.monotonic()
