@@ -15,14 +15,16 @@ pub struct FinalMoments<'a> {
     time: u64,
     values: &'a FinalRows<'a>,
     rows: Vec<Row>,
+    /// The numbers of one path.
+    numbers: Vec<f64>,
 }
 
 impl<'a> FinalMoments<'a> {
     /// Creates moments of no path yet; `values` fills `length` rows at coarse step number `time`,
     /// usually the last one.
     pub fn new(time: u64, length: usize, values: &'a FinalRows<'a>) -> Self {
-        let rows = vec![[0.0; WIDTH]; length];
-        Self { moments: CrossMoments::new(length), time, values, rows }
+        let (rows, numbers) = (vec![[0.0; WIDTH]; length], vec![0.0; length]);
+        Self { moments: CrossMoments::new(length), time, values, rows, numbers }
     }
 }
 
@@ -33,7 +35,8 @@ impl Statistic for FinalMoments<'_> {
         }
         (self.values)(view, &mut self.rows);
         for p in view.live.paths() {
-            self.moments.add(&self.rows.iter().map(|row| row[p]).collect::<Vec<f64>>());
+            self.numbers.iter_mut().zip(&self.rows).for_each(|(number, row)| *number = row[p]);
+            self.moments.add(&self.numbers);
         }
     }
 

@@ -185,7 +185,7 @@ pub fn skew<const M: usize, const L: usize>(rows: &[&[[f64; L]; M]; M], p: usize
 /// # Panics
 /// Unless there are M noises.
 impl<'a, const M: usize> From<&'a StepNoise> for BlockNoise<'a, M> {
-    #[inline]
+    #[inline(always)]
     fn from(noise: &'a StepNoise) -> Self {
         let StepNoise { increments, areas, space_time, .. } = noise;
         Self { increments: exactly(increments), areas, space_time }

@@ -44,6 +44,8 @@ pub struct Batch {
     /// The truncation bound of increments, and the one of areas that belongs to it.
     pub bound: f64,
     pub area_bound: f64,
+    /// Whether the runs take the noise of the finest step as it was drawn, which saves copying it.
+    pub as_drawn: bool,
     pub runs: Vec<usize>,
 }
 
@@ -260,7 +262,7 @@ impl<'a> Marcher<'a> {
         }
         if complete == ladder.levels {
             if lives {
-                self.drop_non_finite(n, tally);
+                self.drop_non_finite(steps, tally);
             }
             self.show(n >> ladder.levels, observe);
             let all_rest = self.all_rest();
@@ -311,12 +313,10 @@ impl<'a> Marcher<'a> {
     }
 
     /// Takes one step of the runs of a batch, with the truncated noise of the last step of its
-    /// level or of the step before; or with that of the finest step as it was drawn, which saves
-    /// copying it.
+    /// level or of the step before, or with that of the finest step as it was drawn.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
-        let is_finest = batch.level == 0 && !batch.swapped && self.ladder.no_noise.areas.is_empty();
-        let as_drawn = self.rests || is_finest && batch.bound == f64::INFINITY;
+        let as_drawn = self.rests || batch.as_drawn;
         if !as_drawn {
             self.truncate(batch, one_before, tally);
         }
@@ -324,14 +324,15 @@ impl<'a> Marcher<'a> {
             let noise = if as_drawn { self.levels.whole(0) } else { &self.truncated };
             self.states[number].step(step, noise, &mut self.statuses[number]);
             if !self.statuses[number].failed.and(self.live).is_empty() {
-                self.drop_failed(number, step.number(), self.statuses[number], tally);
+                self.drop_failed(number, step, self.statuses[number], tally);
             }
         }
     }
 
     /// Records the paths on which a step of a run failed, and drops them from the live ones.
-    fn drop_failed(&mut self, run: usize, step: u64, status: BlockStatus, tally: &mut Tally) {
-        let failed = status.failed.and(self.live);
+    #[cold]
+    fn drop_failed(&mut self, run: usize, step: &Step, status: BlockStatus, tally: &mut Tally) {
+        let (step, failed) = (step.number(), status.failed.and(self.live));
         for p in failed.paths() {
             let cause = Cause::of_residual(status.residual(p));
             tally.record(Failed { run, path: self.first_path + p as u64, step, cause });
@@ -341,13 +342,13 @@ impl<'a> Marcher<'a> {
 
     /// Marks paths with a state that is not finite as failed, for schemes that do not do so
     /// themselves. Called once in each coarsest step.
-    fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
+    fn drop_non_finite(&mut self, steps: &[Step], tally: &mut Tally) {
         for (number, run) in self.ladder.runs.iter().enumerate() {
             let state = self.states[number].state();
             if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
                 status.fail_where_not_finite(state);
-                self.drop_failed(number, (n >> run.level).saturating_sub(1), status, tally);
+                self.drop_failed(number, &steps[run.level], status, tally);
             }
         }
     }

@@ -257,8 +257,11 @@ impl<'a> Ladder<'a> {
             match ladder.batches.iter_mut().find(same) {
                 Some(batch) => batch.runs.push(number),
                 None => {
+                    let is_finest = level == 0 && !swapped && !with_areas;
+                    let as_drawn = is_finest && bound == f64::INFINITY;
                     let runs = vec![number];
-                    ladder.batches.push(Batch { level, swapped, bound, area_bound, runs });
+                    let new = Batch { level, swapped, bound, area_bound, as_drawn, runs };
+                    ladder.batches.push(new);
                 }
             }
         }
