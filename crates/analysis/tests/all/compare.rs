@@ -5,6 +5,7 @@ use analysis::compare::{
     Candidates, Choice, CompareSettings, Comparison, ErrorPoint, Outcome, compare,
 };
 use formula::Definition;
+use kernels::Tuned;
 use mc::{RunError, Setup};
 use noise::{StreamKey, Truncation};
 use schemes::{BuiltIn, EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme};
@@ -146,7 +147,7 @@ fn all_schemes_are_compared_and_the_choice_is_in_words() {
 fn flows_of_parts_and_their_casimirs_are_compared() {
     let problem = rigid_body_three_noises(1.0);
     let settings = CompareSettings { samples: 128, ..settings(0.1, 1) };
-    let all = Candidates::compiled(&problem, BuiltIn::by_parts);
+    let all = Candidates::compiled(&problem, Tuned::scheme);
     let found = compare(&mc::Problem::of(&problem), &all, &settings, &|_, _| ()).unwrap();
     let expected =
         ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"];

@@ -26,14 +26,17 @@ pub struct Probe<'a> {
     pub description: &'a Description,
     /// The time of Hamiltonians that depend on it.
     t: f64,
+    /// Row and place of each component.
+    places: Vec<(usize, usize)>,
     scratch: Vec<Row>,
 }
 
 impl<'a> Probe<'a> {
     pub fn new(system: &'a dyn System) -> Self {
         let description = system.description();
+        let places = (0..description.dimension).map(|i| description.layout.place(i)).collect();
         let scratch = vec![[0.0; WIDTH]; description.scratch_rows()];
-        Self { system, description, t: TIME, scratch }
+        Self { system, description, t: TIME, places, scratch }
     }
 
     pub fn dimension(&self) -> usize {
@@ -83,8 +86,7 @@ impl<'a> Probe<'a> {
         let mut rows = vec![[0.0; WIDTH]; self.description.layout.rows];
         for lane in 0..self.together() {
             let state = &states[(first + lane).min(states.len() - 1)];
-            for (component, &x) in state.iter().enumerate() {
-                let (row, place) = self.description.layout.place(component);
+            for (&(row, place), &x) in self.places.iter().zip(state) {
                 rows[row][place + lane] = x;
             }
         }
@@ -131,9 +133,8 @@ impl<'a> Probe<'a> {
                     false => this.system.apply(op, tile, h, out, scratch),
                 }
             }
-            let places: Vec<_> = (0..this.dimension()).map(|i| layout.place(i)).collect();
             for lane in 0..count {
-                all.push(places.iter().map(|(row, place)| out[*row][place + lane]).collect());
+                all.push(this.places.iter().map(|(row, place)| out[*row][place + lane]).collect());
             }
         });
         all

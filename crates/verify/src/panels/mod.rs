@@ -12,7 +12,7 @@ use strong::compare;
 use weak::WEAK_IDS;
 
 /// Experiments that make the panels, in the order of the paper.
-pub const EXPERIMENTS: &[Experiment] = &[
+pub static EXPERIMENTS: &[Experiment] = &[
     (&["pendulum-strong"], |conditions| {
         compare(
             conditions,

@@ -14,7 +14,7 @@ use schemes::{Sexp, SexpLi, Split};
 use crate::*;
 
 /// Statements in the order of the paper, then the others.
-pub const STATEMENTS: &[Experiment] = &[
+pub static STATEMENTS: &[Experiment] = &[
     (&["truncation-moments"], truncation::measure),
     (&["solvability"], solvability::measure),
     (&["exact-conformal"], exact_conformal::measure),

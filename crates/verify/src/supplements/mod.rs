@@ -12,7 +12,7 @@ use crate::*;
 use exact_references::compare;
 
 /// Supplements: experiments that make figures that are not in the paper.
-pub const SUPPLEMENTS: &[Experiment] = &[
+pub static SUPPLEMENTS: &[Experiment] = &[
     (&["truncation-orders"], truncation_orders::measure),
     (&["lotka-volterra-exact"], |conditions| {
         let title = "Lotka–Volterra against its exact solution: strong convergence";
