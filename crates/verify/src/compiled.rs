@@ -5,7 +5,7 @@ use schemes::{Scheme, SchemeError, Sexp, SexpLevy};
 
 use crate::{two_spins::TwoSpins, *};
 
-/// Those alone that are measured: kernels in six dimensions take long to compile.
+/// Schemes that are measured, and no others: kernels in six dimensions take long to compile.
 impl Tuned<6, 3> for TwoSpins {
     #[inline(never)]
     fn scheme(
