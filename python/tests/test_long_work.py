@@ -47,7 +47,7 @@ def test_an_interrupt_raises_if_that_is_wanted(oscillator: casimir.Scene) -> Non
     interrupt_after(0.3)
     with pytest.raises(KeyboardInterrupt):
         oscillator.run(paths=50_000_000, raises=True)
-    interrupt_after(0.3)
+    interrupt_after(0.8)
     found = oscillator.expect(accuracy=1e-9)
     assert found.interrupted and not found.reached and found["q"].half_width < 1
 
