@@ -105,7 +105,7 @@ def test_interrupts_of_a_notebook(oscillator: casimir.Scene, tmp_path: Path) -> 
 
         text = oscillator.to_toml()
         assert run(f"import casimir\nscene = casimir.Scene.from_toml({text!r})")["status"] == "ok"
-        # Before the first paths are complete there is nothing to give.
+        # Before the first paths are complete there is nothing to give; then progress is drawn too.
         for delay in (0.7, 1.1, 1.5):
             timer = threading.Timer(delay, manager.interrupt_kernel)
             timer.start()

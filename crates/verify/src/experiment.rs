@@ -94,6 +94,7 @@ impl Findings {
 
 /// One set of runs, which makes panels, claims or both: the ids of the panels or of the statement,
 /// and the function that runs it.
+// Tables of them are statics: each program that reads a constant compiles what is in it once more.
 pub type Experiment = (&'static [&'static str], fn(&Conditions<'_>) -> Findings);
 
 /// Figure in words: its title, the system and its parameters, and the statement of the paper about
