@@ -32,7 +32,7 @@ pub fn baths(reading: &Reading, definition: &mut Definition) -> Read<Vec<Share>>
     let times = TIMES.map(|part| part * settings.until);
     let mut shares = Vec::new();
     for BathTable { temperature, through, friction, transverse } in file.bath.iter() {
-        let kt = of_rate(reading, temperature)?;
+        let kt = of_rate(reading, temperature, &definition.state)?;
         let is_least = |t: &f64| kt.rate(*t) < 0.0 || kt.rate(*t) == 0.0 && friction.is_empty();
         if let Some(t) = times.iter().find(|t| is_least(t)) {
             refuse!(temperature, "kT must be positive, got {} at t = {t}", kt.rate(*t));
@@ -45,7 +45,7 @@ pub fn baths(reading: &Reading, definition: &mut Definition) -> Read<Vec<Share>>
             );
         }
         for (name, text) in friction {
-            let rate = of_rate(reading, text)?;
+            let rate = of_rate(reading, text, &definition.state)?;
             if let Some((t, rate)) = times.map(|t| (t, rate.rate(t))).iter().find(|at| at.1 < 0.0) {
                 let name = name.as_str();
                 refuse!(text, "friction of `{name}` must not be negative, got {rate} at t = {t}");
@@ -109,7 +109,7 @@ fn of_spins(
 ) -> Read<Vec<String>> {
     let mut through = Vec::new();
     for (name, alpha) in transverse {
-        of_rate(reading, alpha)?;
+        of_rate(reading, alpha, state)?;
         let spin = vectors.iter().find(|(vector, all)| vector == &**name && all.len() == 3);
         let Some((_, components)) = spin else {
             refuse!(name, "`{}` is no spin: a vector of three components, as s[xyz]", **name);

@@ -25,7 +25,7 @@ pub fn rates<'a>(
 ) -> Read<Rates<'a>> {
     let mut rates = Rates::new();
     for (name, rate) in given {
-        let damping = of_rate(reading, rate)?;
+        let damping = of_rate(reading, rate, components)?;
         let vector = vectors.iter().find(|(vector, _)| vector == name.as_str());
         let named = vector.map_or(std::slice::from_ref(&**name), |(_, of)| of);
         for one in named {
@@ -75,20 +75,34 @@ pub fn damping(
         {
             Ok((damping.clone(), Vec::new()))
         }
-        _ => Ok((of_all.map_or(Ok(constant(0.0)), |rate| of_rate(reading, rate))?, friction)),
+        _ => Ok((
+            of_all.map_or(Ok(constant(0.0)), |rate| of_rate(reading, rate, components))?,
+            friction,
+        )),
     }
 }
 
 /// Parts of [0, T] on which a rate is integrated before a run.
 const PARTS: u32 = 64;
 
-/// The damping of a rate.
-pub fn of_rate(reading: &Reading, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
+/// The damping of a rate of some of the components.
+pub fn of_rate(
+    reading: &Reading,
+    rate: &At<Text>,
+    components: &[String],
+) -> Read<Arc<dyn Damping>> {
     let Reading { constants, settings, .. } = reading;
     let mut names = constants.names.clone();
     // No parameter has this name.
     _ = names.variable("t");
-    let formula = rate.formula(&names)?;
+    let components: Vec<_> = components.iter().map(String::as_str).collect();
+    let formula = rate.formula(&names).map_err(|wrong| {
+        wrong.instead(
+            &components,
+            "a rate depends on t and parameters alone: write friction that depends on the state \
+             into `drift`",
+        )
+    })?;
     for t in [0.0, settings.until] {
         rate.demand_value(&formula, &[t], format_args!("t = {t}"))?;
     }
