@@ -18,6 +18,18 @@ const SMALL: usize = 8;
 /// Columns of a part.
 const PART: usize = 64;
 
+/// Computes columns of matrices of size n, from the number that is given on: all, or parts of those
+/// of large matrices.
+pub fn columns<T: Send>(n: usize, out: &mut [T], compute: impl Fn(usize, &mut [T]) + Sync) {
+    match n {
+        ..=PART => compute(0, out),
+        _ => {
+            let parts = out.par_chunks_mut(n * PART).enumerate();
+            parts.for_each(|(part, out)| compute(part * PART, out));
+        }
+    }
+}
+
 /// ab, or ab* if `adjoint`.
 pub fn product(n: usize, a: &[c64], b: &[c64], adjoint: bool, out: &mut [c64]) {
     if n <= SMALL {
@@ -38,16 +50,12 @@ pub fn product(n: usize, a: &[c64], b: &[c64], adjoint: bool, out: &mut [c64]) {
         (b, conj) = (b.transpose(), Conj::Yes);
     }
     let one = c64::new(1.0, 0.0);
-    let part = |(k, out): (usize, &mut [c64])| {
-        let columns = out.len() / n;
-        let b = b.subcols(k * PART, columns);
-        let out = MatMut::from_column_major_slice_mut(out, n, columns);
+    columns(n, out, |first, out| {
+        let count = out.len() / n;
+        let b = b.subcols(first, count);
+        let out = MatMut::from_column_major_slice_mut(out, n, count);
         matmul_with_conj(out, Accum::Replace, a, Conj::No, b, conj, one, Par::Seq);
-    };
-    match n {
-        ..=PART => part((0, out)),
-        _ => out.par_chunks_mut(n * PART).enumerate().for_each(part),
-    }
+    });
 }
 
 fn view(n: usize, a: &[c64]) -> MatRef<'_, c64> {

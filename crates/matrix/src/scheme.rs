@@ -11,7 +11,7 @@ use schemes::{About, Method, Step, Stepper};
 
 use crate::{
     MatrixSystem,
-    dense::{Equations, product},
+    dense::{Equations, columns, product},
     system::{bracket, coordinates, dimension, inner, matrices},
 };
 
@@ -94,11 +94,14 @@ impl Stepper for Paths<'_> {
             all => all.par_iter_mut().for_each(advance),
         }
         *status = BlockStatus::explicit();
+        let n = workers[0].system.size();
         for Worker { outcomes, results, .. } in workers {
             let states = results.chunks_exact(rows.len());
             for (&(p, outcome), y) in outcomes.iter().zip(states) {
                 status.set(p, outcome);
-                rows.iter_mut().zip(y).for_each(|(row, y)| row[p] = *y);
+                columns(n, rows, |first, rows| {
+                    rows.iter_mut().zip(&y[first * n..]).for_each(|(row, y)| row[p] = *y);
+                });
             }
         }
     }
@@ -149,9 +152,13 @@ impl<'a> Worker<'a> {
         let (n, dimension) = (self.system.size(), rows.len());
         for p in (self.first..WIDTH).step_by(self.every).filter(|p| live.contains(*p)) {
             self.dw.iter_mut().zip(&*noise.increments).for_each(|(dw, row)| *dw = row[p]);
-            matrices(n, |i| rows[i][p] * step.first_decay, &mut self.matrices[0]);
-            let outcome = self.step(step.tau);
             let place = self.outcomes.len() * dimension;
+            let out = &mut self.results[place..place + dimension];
+            columns(n, out, |first, out| {
+                out.iter_mut().zip(&rows[first * n..]).for_each(|(y, row)| *y = row[p]);
+            });
+            matrices(n, |i| out[i] * step.first_decay, &mut self.matrices[0]);
+            let outcome = self.step(step.tau);
             let out = &mut self.results[place..place + dimension];
             let last = &self.matrices[1];
             coordinates(n, last, |i, y| out[i] = y * step.second_decay);
@@ -168,7 +175,9 @@ impl<'a> Worker<'a> {
         let generator = |m: &[c64], v: &mut [c64]| self.system.generator(m, tau, &self.dw, v);
         generator(w, v);
         bracket(n, v, w, &mut self.one[0], m);
-        m.iter_mut().zip(&*w).for_each(|(m, w)| *m = *w + *m * 0.5);
+        columns(n, m, |first, m| {
+            m.iter_mut().zip(&w[first * n..]).for_each(|(m, w)| *m = *w + *m * 0.5);
+        });
         let mut outcome = Outcome::Fast { iterations: 1 };
         if self.scheme == Scheme::Midpoint {
             let (size, mut before) = (inner(w, w).sqrt(), f64::INFINITY);
@@ -218,15 +227,26 @@ fn turn(
             product(n, v, v, false, memory);
             product(n, v, memory, false, out);
         }
-        for (k, ((d, c), v)) in d.iter_mut().zip(&mut *c).zip(v).enumerate() {
-            let one = c64::new(f64::from(u8::from(k % (n + 1) == 0)), 0.0);
+        let one = |k: usize| c64::new(f64::from(u8::from(k % (n + 1) == 0)), 0.0);
+        // Entries of D = A + iB with Hermitian A and B.
+        let parts = |k: usize| {
             let (even, half) = match map {
-                Map::Pade => (one - memory[k] / 10.0, *v * 0.5 - out[k] / 120.0),
-                _ => (one, *v * 0.5),
+                Map::Pade => (one(k) - memory[k] / 10.0, v[k] * 0.5 - out[k] / 120.0),
+                _ => (one(k), v[k] * 0.5),
             };
-            let odd = c64::new(-half.im, half.re);
-            (*d, *c) = (even + odd, if map == Map::Half { one } else { even - odd });
-        }
+            (even, c64::new(-half.im, half.re))
+        };
+        columns(n, d, |first, d| {
+            for (d, (even, odd)) in d.iter_mut().zip((first * n..).map(parts)) {
+                *d = even + odd;
+            }
+        });
+        columns(n, c, |first, c| {
+            for (k, c) in (first * n..).zip(c) {
+                let (even, odd) = parts(k);
+                *c = if map == Map::Half { one(k) } else { even - odd };
+            }
+        });
         equations.solve(d, c);
         product(n, c, w, false, memory);
         product(n, memory, c, true, out);

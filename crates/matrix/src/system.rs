@@ -11,7 +11,7 @@ use systems::{
     run_time::{Description, Op, System, Weights, derived},
 };
 
-use crate::dense::product;
+use crate::dense::{columns, product};
 
 /// Equation dW = −i\[∇H₀(W), W\] dt − iΣ\[Lₘ, W\] ∘ dWₘ for Hermitian matrices W of size N at each
 /// of some sites, with Hermitian ∇H₀ and Lₘ.
@@ -104,13 +104,15 @@ pub fn bracket(n: usize, v: &[c64], w: &[c64], memory: &mut [c64], out: &mut [c6
     let sites = v.chunks_exact(n * n).zip(w.chunks_exact(n * n));
     for ((v, w), out) in sites.zip(out.chunks_exact_mut(n * n)) {
         product(n, v, w, false, memory);
-        for k in 0..n {
-            for j in 0..n {
-                let [x, y] = [memory[k * n + j], memory[j * n + k]];
-                // −i(x − ȳ).
-                out[k * n + j] = c64::new(x.im + y.im, y.re - x.re);
+        columns(n, out, |first, out| {
+            for (k, column) in (first..).zip(out.chunks_exact_mut(n)) {
+                for (j, out) in column.iter_mut().enumerate() {
+                    let [x, y] = [memory[k * n + j], memory[j * n + k]];
+                    // −i(x − ȳ).
+                    *out = c64::new(x.im + y.im, y.re - x.re);
+                }
             }
-        }
+        });
     }
 }
 

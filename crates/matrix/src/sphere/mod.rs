@@ -48,8 +48,9 @@ pub struct Sphere {
     /// Coefficient of T₁₀ in F, and its diagonal.
     planetary: (f64, Vec<f64>),
     stirring: Vec<(Stirring, Vec<f64>)>,
-    /// Inverse pivots of −Δ on each diagonal, one after the other.
-    pivots: Vec<f64>,
+    /// Inverse pivots of −Δ on the diagonals of W, and minus the entries beside: of all diagonals
+    /// at their entry 0, at their entry 1, ….
+    laplacian: Vec<[f64; 2]>,
 }
 
 /// s = √(N(N² − 1)/16π): {f, g} is −is\[F, G\].
@@ -91,17 +92,17 @@ impl Sphere {
             Ok((Stirring { strength: strength * scale, ..one }, harmonics.profile(degree, m)))
         };
         let stirring = stirring.into_iter().map(noise).collect::<Result<_, _>>()?;
-        let mut pivots = Vec::with_capacity(n * (n + 1) / 2);
-        for m in 0..n {
-            let mut inverse = 0.0;
-            for j in 0..n - m {
-                let before = if j > 0 { harmonics.beside(m, j - 1).powi(2) * inverse } else { 0.0 };
-                inverse = 1.0 / (harmonics.diagonal(m, j) - before);
-                pivots.push(inverse);
+        let mut laplacian: Vec<[f64; 2]> = Vec::with_capacity(n * (n + 1) / 2);
+        for j in 0..n {
+            for m in 0..n - j {
+                let before = laplacian.len().checked_sub(n + 1 - j).map(|at| laplacian[at]);
+                let before = before.map_or(0.0, |[pivot, beside]| beside.powi(2) * pivot);
+                let pivot = 1.0 / (harmonics.diagonal(m, j) - before);
+                laplacian.push([pivot, harmonics.beside(m, j)]);
             }
         }
         // Δ of a constant is zero.
-        pivots[n - 1] = 0.0;
+        laplacian[n * (n + 1) / 2 - 1] = [0.0; 2];
         // cos θ = √(4π/3) Y₁₀.
         let planetary = (2.0 * rotation * (4.0 * PI / 3.0).sqrt(), harmonics.profile(1, 0));
         Ok(Self {
@@ -111,7 +112,7 @@ impl Sphere {
             rotation,
             planetary,
             stirring,
-            pivots,
+            laplacian,
         })
     }
 
@@ -146,36 +147,43 @@ impl Sphere {
         0.5 * inner(&self.relative(w), &v)
     }
 
-    /// Writes V = a(−Δ)⁻¹(W − F), diagonal by diagonal.
+    /// Writes V = a(−Δ)⁻¹(W − F), all diagonals at once: entry m of column j from the main diagonal
+    /// down is entry j of the m-th.
     fn stream(&self, w: &[c64], a: f64, v: &mut [c64]) {
-        let (n, harmonics) = (self.n, self.harmonics);
+        let n = self.n;
+        let mean = |w: &[c64]| (0..n).map(|j| w[j * (n + 1)].re).sum::<f64>() / n as f64;
         let (rate, profile) = &self.planetary;
-        let mut first = 0;
-        for m in 0..n {
-            let length = n - m;
-            let pivots = &self.pivots[first..first + length];
-            first += length;
-            let at = |j: usize| (j + m) * n + j;
-            let mean =
-                if m == 0 { (0..n).map(|j| w[at(j)].re).sum::<f64>() / n as f64 } else { 0.0 };
-            let mut before = c64::ZERO;
-            for j in 0..length {
-                let known = if m == 0 { mean + rate * profile[j] } else { 0.0 };
-                let beside = if j > 0 { harmonics.beside(m, j - 1) * pivots[j - 1] } else { 0.0 };
-                before = w[at(j)] - known + before * beside;
-                v[at(j)] = before;
+        let (of_w, mut first) = (mean(w), 0);
+        for j in 0..n {
+            let (done, column) = v.split_at_mut(j * (n + 1));
+            let column = &mut column[..n - j];
+            column.copy_from_slice(&w[j * (n + 1)..][..n - j]);
+            column[0] -= of_w + rate * profile[j];
+            if j > 0 {
+                let before = &done[(j - 1) * (n + 1)..];
+                let pairs = before.iter().zip(&self.laplacian[first..]);
+                for (v, (before, [pivot, beside])) in column.iter_mut().zip(pairs) {
+                    *v += before * (beside * pivot);
+                }
+                first += n + 1 - j;
             }
-            let mut after = c64::ZERO;
-            for j in (0..length).rev() {
-                let beside = if j + 1 < length { harmonics.beside(m, j) } else { 0.0 };
-                after = (v[at(j)] + after * beside) * pivots[j];
-                v[at(j)] = after;
+        }
+        for j in (0..n).rev() {
+            let (before, after) = v.split_at_mut((j + 1) * n);
+            let column = &mut before[j * (n + 1)..];
+            let after = after.iter().skip(j + 1).chain([&c64::ZERO]);
+            let rows = after.zip(&self.laplacian[first..]);
+            for (v, (after, [pivot, beside])) in column.iter_mut().zip(rows) {
+                *v = (*v + after * beside) * *pivot;
             }
-            let mean =
-                if m == 0 { (0..n).map(|j| v[at(j)].re).sum::<f64>() / n as f64 } else { 0.0 };
-            for j in 0..length {
-                let entry = (v[at(j)] - mean) * a;
-                (v[at(j)], v[j * n + j + m]) = (entry, entry.conj());
+            first -= if j > 0 { n + 1 - j } else { 0 };
+        }
+        let of_v = mean(v);
+        for j in 0..n {
+            v[j * (n + 1)] -= of_v;
+            for k in j..n {
+                v[j * n + k] *= a;
+                v[k * n + j] = v[j * n + k].conj();
             }
         }
     }
