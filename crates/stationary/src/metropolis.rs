@@ -1,5 +1,7 @@
 //! Steps that leave e^{−βH₀} exactly stationary.
 
+use std::array::from_fn;
+
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows, WIDTH, elementary::exp, golden};
@@ -22,6 +24,9 @@ use mc::{Friction, Problem};
 ///    is ±1 and turns at a rejection. For H₀ = T(p) + V(q) this is generalised hybrid Monte Carlo
 ///    (Horowitz, *Phys. Lett. B* 268, 1991), where momenta turn; a direction of time turns on any
 ///    Poisson manifold.
+///
+/// No move crosses a wall on which H₀ is infinite, as no path does: a divisor or an argument of a
+/// logarithm of H₀ that changes its sign on the straight way, while H₀ grows beyond limits.
 ///
 /// A move is accepted where βΔH₀ < (a² + b²)/2 with normals a and b, which is exponential. So a
 /// step takes four more increments than the system has noises.
@@ -192,6 +197,53 @@ impl<'a> Energy<'a> {
     }
 }
 
+/// Halvings of the way to a wall, of which the last half tell whether H₀ has a limit there; the
+/// least growth of βH₀ in these if it has none.
+const HALVINGS: usize = 24;
+const GROWS: f64 = 1e-3;
+
+impl Energy<'_> {
+    /// Sums of the energies on both sides of a wall, of which at least one comes nearer.
+    fn both(&mut self, near: &[Row], far: &[Row]) -> Row {
+        let (near, far) = (self.values(near), self.values(far));
+        from_fn(|p| near[p] + far[p])
+    }
+
+    /// Makes energies infinite of states that H₀ = ∞ parts from those before.
+    fn bar(&mut self, y: &[Row], next: &[Row], energies: &mut Row, beta: f64) {
+        let walls = self.flows.walls(y);
+        let others = if walls.is_empty() { Vec::new() } else { self.flows.walls(next) };
+        let is_between = |k: usize, a: &Row, p: usize| (a[p] < 0.0) != (walls[k][p] < 0.0);
+        for (k, other) in others.iter().enumerate() {
+            if !(0..WIDTH).any(|p| is_between(k, other, p)) {
+                continue;
+            }
+            let (mut near, mut far, mut middle) = (y.to_vec(), next.to_vec(), y.to_vec());
+            let mut half_way = [0.0; WIDTH];
+            for halvings in 0..HALVINGS {
+                for ((middle, near), far) in middle.iter_mut().zip(&near).zip(&far) {
+                    *middle = from_fn(|p| 0.5 * (near[p] + far[p]));
+                }
+                let at = &self.flows.walls(&middle)[k];
+                for ((middle, near), far) in middle.iter().zip(&mut near).zip(&mut far) {
+                    for p in 0..WIDTH {
+                        let end = if is_between(k, at, p) { &mut *far } else { &mut *near };
+                        end[p] = middle[p];
+                    }
+                }
+                if halvings == HALVINGS / 2 {
+                    half_way = self.both(&near, &far);
+                }
+            }
+            let end = self.both(&near, &far);
+            for p in (0..WIDTH).filter(|&p| is_between(k, other, p)) {
+                let has_limit = beta * (end[p] - half_way[p]) <= GROWS;
+                energies[p] = if has_limit { energies[p] } else { f64::INFINITY };
+            }
+        }
+    }
+}
+
 /// 32 chains.
 struct Walk<'a> {
     of: &'a Metropolis<'a>,
@@ -291,6 +343,7 @@ impl Stepper for Walk<'_> {
             let mut taken = [0.0; WIDTH];
             flows.run(&[y], &[1.0; 2], Weights { dw: times, ..Weights::NONE }, next);
             energies[1] = energy.values(next);
+            energy.bar(y, next, &mut energies[1], of.beta);
             decide(y, next, &mut energies, drawn, &mut taken, of.beta, *tau);
             taken
         };

@@ -39,6 +39,32 @@ accuracy = 0.005
 "#;
 
 #[test]
+fn no_move_crosses_a_wall_of_infinite_energy() {
+    // Means over q > 0 of e^{−q²/2} times e^{−0.05/q}, e^{−0.01/q} and q, by quadrature and in closed
+    // form; over all q where H₀ is −∞ at 0, or has a limit.
+    for (more, exact) in [
+        ("0.05/abs(q)", 0.874_2),
+        ("0.01/abs(q)", 0.821_5),
+        ("-ln(abs(q))", 1.253_314),
+        ("0.3*ln(abs(q))", 0.0),
+        ("q^2*ln(q^2)", 0.0),
+    ] {
+        let energy = format!("q^2/2 + {more}\"");
+        let scene = WELLS.replace("(q^2 - 1)^2 + 0.05*q\"", &energy).replace("= 0.05\n", "= 1\n");
+        let scene = scene.replace("\"q^2\"", "\"q\"").replace("= 0.005", "= 0.04");
+        let told = found(&scene, "equilibrium", &[]);
+        assert!(told["reached"] == true && contains(&told, 0, exact), "{more}: {told:#}");
+    }
+    // The radius in the plane, r e^{−r²/2}.
+    let polar = "[system]\nstate = [\"r\", \"th\", \"pr\", \"L\"]\nB = \"canonical\"\n\
+                 H0 = \"pr^2/2 + L^2/(2*r^2) + r^2/2\"\n[bath]\ntemperature = 1\n\
+                 through = [\"r\", \"th\"]\n[run]\ninitial = [1, 0, 0, 0.5]\nuntil = 20\n\
+                 steps = 2000\n[expect]\nof = [\"r\"]\naccuracy = 0.04\n";
+    let told = found(polar, "equilibrium", &[]);
+    assert!(told["reached"] == true && contains(&told, 0, 1.253_314), "{told:#}");
+}
+
+#[test]
 fn wells_that_no_chain_leaves_are_seen_whatever_is_averaged() {
     // q² is 0.025 larger in the well that e^{-0.1/kT} = 0.14 as many chains should be in as in the
     // other one; about as many are. A twin without tilt has the same q² in both.

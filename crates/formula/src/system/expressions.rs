@@ -328,6 +328,32 @@ impl Expressions {
         })
     }
 
+    /// Factors of divisors and of arguments of logarithms in Hamiltonians, as functions of y.
+    pub fn walls(&self) -> Option<Tape> {
+        let of = |id: Id| match self.graph.node(id) {
+            Node::Binary(Binary::Div, _, of) | Node::Unary(Unary::Ln, of) => Some(of),
+            _ => None,
+        };
+        let needed = self.graph.needed(&self.hamiltonians);
+        let (mut open, mut walls): (Vec<Id>, _) =
+            (needed.into_iter().filter_map(of).collect(), vec![]);
+        while let Some(id) = open.pop() {
+            match self.graph.node(id) {
+                Node::Constant(_) => {}
+                Node::Unary(Unary::Abs | Unary::Neg | Unary::Sqrt, a)
+                | Node::Power(a, _)
+                | Node::Binary(Binary::Div, a, _) => open.push(a),
+                Node::Binary(Binary::Mul, a, b) => open.extend([a, b]),
+                _ => walls.push(id),
+            }
+        }
+        walls.sort_unstable();
+        walls.dedup();
+        let t = self.group(TIME).start as u32;
+        walls.retain(|&wall| !self.graph.uses(&[wall], |node| node == Node::Input(t)));
+        (!walls.is_empty()).then(|| self.tape(&walls, [Y]))
+    }
+
     /// Whether a Hamiltonian, or the temperature of a bath, depends on time.
     pub fn depend_on_time(&self) -> bool {
         let t = self.group(TIME).start as u32;

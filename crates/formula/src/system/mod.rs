@@ -80,6 +80,7 @@ pub struct FormulaSystem {
     rest: Option<Box<Self>>,
     energy: Tape,
     guard: Option<FormulaProgram>,
+    walls: Option<Tape>,
     expressions: Expressions,
     programs: Programs,
 }
@@ -188,6 +189,7 @@ impl FormulaSystem {
             rest: None,
             description,
             energy: expressions.energy_tape(),
+            walls: expressions.walls(),
             guard: has_guard.then(|| FormulaProgram::guard(&mut expressions)),
             expressions,
             programs: Programs::default(),
@@ -307,6 +309,10 @@ impl System for FormulaSystem {
         let (graph, roots) = self.expressions.clone().in_time(y);
         let tape = Tape::new(&graph, &roots, from_ref(&(0..1)));
         Some(Box::new(Expressed { graph, roots, tape }))
+    }
+
+    fn walls(&self, y: &[Row]) -> Vec<Row> {
+        self.walls.as_ref().map_or(Vec::new(), |walls| walls.rows(&[y]))
     }
 
     /// H₀ + H₁ + … and the entries of B.

@@ -81,6 +81,13 @@ pub trait System: Send + Sync {
     /// h(y) of each path. If rows belong to one path, h is the sum over the row.
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]);
 
+    /// Functions of the states of 32 paths that are zero where a Hamiltonian has a pole or the
+    /// logarithm of zero.
+    fn walls(&self, y: &[Row]) -> Vec<Row> {
+        let _ = y;
+        Vec::new()
+    }
+
     /// The components of B∇H₀, B∇H₁, … at a state that change with time; `None` if they are known
     /// at single times only.
     fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
