@@ -37,7 +37,7 @@ pub struct StepCheck {
     /// not resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode
     /// that is too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
-    /// Time at which H(t) changes within a step by more than from step to step, at τ or τ/2, so
+    /// Time at which a function of t changes within a step by more than from step to step, at τ or τ/2, so
     /// that both may agree on a wrong value; and a number of steps that resolves H(t), if up to 2¹²
     /// times the steps of the run do.
     pub unresolved: Option<(f64, Option<u64>)>,
@@ -175,7 +175,7 @@ pub fn is_by_blocks(run: u64, steps: u64, problem: &Problem<'_>) -> bool {
     let constant = problem.dampings().all(|damping| {
         [0.37, 1.0].iter().all(|part| damping.rate(part * problem.t_end) == damping.rate(0.0))
     });
-    run < WIDTH as u64 && steps >= LONG && problem.in_time.is_none() && constant
+    run < WIDTH as u64 && steps >= LONG && problem.in_time.is_empty() && constant
 }
 
 /// States at 32 times of the table of a path, in rows, from those of its components.

@@ -180,7 +180,7 @@ pub enum WarningKind {
     /// the steps, or rate and integral contradict each other, so that its sums over the steps
     /// differ from ∫₀ᵗγ.
     Damping,
-    /// The steps of the finest level do not resolve Hamiltonians that change with time, see
+    /// The steps of the finest level do not resolve what changes with time, see
     /// [`DriveResolution`](mc::DriveResolution).
     Drive,
     /// The steps of the finest level do not resolve noise and forces within a step of strong

@@ -228,7 +228,7 @@ pub fn unresolved(
     };
     let drive = drive.map(|t| {
         let how = format!("it changes within a step near t = {t:.4} more than from step to step");
-        warning(WarningKind::Drive, "H(t)", how)
+        warning(WarningKind::Drive, "a function of t", how)
     });
     let turn = (turn > LARGEST_TURN).then(|| {
         let how = format!("a step has {turn:.1e} radians or e-foldings of it");

@@ -5,8 +5,9 @@ use std::{array::from_fn, slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::{Formula, Names, Tape},
-    mc::{Along, Gradient, Observe, Passage},
-    real::{PathMask, Row, Rows, WIDTH},
+    mc::{Along, Gradient, InTimeAt, Observe, Passage},
+    real::{Bounded, PathMask, Row, Rows, WIDTH},
+    systems::run_time::InTime,
 };
 
 use crate::{At, Event, Read, Text, refuse};
@@ -117,6 +118,10 @@ pub struct Vocabulary {
     further: Vec<Further>,
     /// Quantities that paths collect.
     pub collected: Vec<Along>,
+    /// What they integrate or follow, where it is a formula of the time, too.
+    pub in_time: Vec<Arc<dyn InTimeAt>>,
+    /// Row of the time, if paths collect it.
+    time: Option<usize>,
     /// The initial value, and what paths have collected there.
     start: Vec<f64>,
     dimension: usize,
@@ -136,8 +141,15 @@ pub enum Further {
 impl Vocabulary {
     /// Vocabulary with components, parameters, `t`, and `H0` if there is one.
     pub fn new(names: Names, energy: Option<Further>, y0: &[f64]) -> Self {
-        let (further, start, collected) = (Vec::new(), y0.to_vec(), Vec::new());
-        let mut vocabulary = Self { names, further, collected, start, dimension: y0.len() };
+        let mut vocabulary = Self {
+            names,
+            further: Vec::new(),
+            collected: Vec::new(),
+            in_time: Vec::new(),
+            time: None,
+            start: y0.to_vec(),
+            dimension: y0.len(),
+        };
         vocabulary.add("t", Further::Time);
         energy.into_iter().for_each(|energy| vocabulary.add("H0", energy));
         vocabulary
@@ -182,6 +194,7 @@ impl Vocabulary {
         match further {
             Further::Quantity(quantity) => Ok(quantity),
             Further::Time => {
+                self.time = Some(self.start.len());
                 let [time] = self.collect(Kind::AlongPath, Along::Time, [0.0]);
                 Ok(time)
             }
@@ -208,8 +221,7 @@ impl Vocabulary {
     pub fn quantity(&mut self, text: &At<Text>) -> Read<Quantity> {
         let formula = text.formula(&self.names)?;
         let (dimension, all) = (self.dimension, self.dimension + self.further.len());
-        let further = formula.reads().into_iter().filter_map(|k| k.checked_sub(dimension));
-        let used = further.map(|k| Ok((k, self.known(k)?))).collect::<Read<Vec<_>>>()?;
+        let used = self.used(&formula)?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {
@@ -235,6 +247,24 @@ impl Vocabulary {
         Ok(Quantity::Function(kind.min(Kind::AlongPath), function))
     }
 
+    /// The further inputs that a formula reads.
+    fn used(&mut self, formula: &Formula) -> Read<Vec<(usize, Quantity)>> {
+        let dimension = self.dimension;
+        let further = formula.reads().into_iter().filter_map(|k| k.checked_sub(dimension));
+        further.map(|k| Ok((k, self.known(k)?))).collect()
+    }
+
+    /// Notes a formula that paths integrate or follow, if it changes with time.
+    fn follow(&mut self, formula: Formula) -> Read<()> {
+        let used = self.used(&formula)?;
+        let (Some(time), false) = (self.time, used.iter().all(|(_, of)| of.is_of_state())) else {
+            return Ok(());
+        };
+        let (start, dimension) = (self.start.clone(), self.dimension);
+        self.in_time.push(Arc::new(Followed { formula, used, time, start, dimension }));
+        Ok(())
+    }
+
     /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
     pub fn observable(&mut self, text: &At<Text>) -> Read<Quantity> {
         let of = |word: &str| -> Option<At<Text>> {
@@ -256,6 +286,7 @@ impl Vocabulary {
         let is_average = average.is_some();
         let Some(inner) = integral.or(average) else { return self.quantity(text) };
         let v = self.quantity(&inner)?;
+        self.follow(inner.formula(&self.names)?)?;
         let along = Along::Integral(Arc::new(Observable::new("", v.clone())));
         let [integral] = self.collect(Kind::AlongPath, along, [0.0]);
         if !is_average {
@@ -290,11 +321,71 @@ impl Vocabulary {
                 let phi = Quantity::smooth(move |y, phi| *phi = excess.values(&y[..inputs]));
                 (Kind::AlongPath, phi, Some(Arc::new(gradient) as Arc<Gradient>))
             }
-            None => (Kind::Monitored, self.quantity(&text)?, None),
+            None => {
+                let phi = self.quantity(&text)?;
+                text.formula(&self.names)?.excess().map_or(Ok(()), |excess| self.follow(excess))?;
+                (Kind::Monitored, phi, None)
+            }
         };
         let begun = f64::from(u8::from(self.at_start(&phi) > 0.0));
         let phi = Arc::new(Observable::new("", phi));
         let passage = Passage { phi, gradient, stops: event.0.stop };
         Ok(self.collect(kind, Along::Passage(passage), [begun, 0.0]))
+    }
+}
+
+/// A formula of the state, the time, and what is known of paths.
+struct Followed {
+    formula: Formula,
+    used: Vec<(usize, Quantity)>,
+    /// The initial value and what paths have collected there, with the row of the time.
+    start: Vec<f64>,
+    time: usize,
+    dimension: usize,
+}
+
+impl InTimeAt for Followed {
+    fn at(&self, y: &[f64]) -> Box<dyn InTime + '_> {
+        let mut rows = Rows::splat(&self.start);
+        y.iter().zip(&mut *rows).for_each(|(y, row)| *row = [*y; WIDTH]);
+        Box::new(FollowedAt { of: self, rows })
+    }
+}
+
+/// A formula at a state.
+struct FollowedAt<'a> {
+    of: &'a Followed,
+    rows: Rows,
+}
+
+impl FollowedAt<'_> {
+    /// The inputs of the formula at 32 times.
+    fn inputs(&self, times: &Row) -> Vec<Row> {
+        let Followed { formula, used, time, dimension, .. } = self.of;
+        let mut rows = self.rows.clone();
+        rows[*time] = *times;
+        let mut inputs = rows[..*dimension].to_vec();
+        inputs.resize(formula.variables.len(), [0.0; WIDTH]);
+        for (k, quantity) in used {
+            quantity.evaluate(&rows, &mut inputs[dimension + k]);
+        }
+        inputs
+    }
+}
+
+impl InTime for FollowedAt<'_> {
+    fn values(&self, times: &Row) -> Vec<Row> {
+        vec![self.of.formula.values(&self.inputs(times))]
+    }
+
+    /// None if the formula reads what changes with time but the time.
+    fn bounds(&self, time: Bounded) -> Vec<Bounded> {
+        let Followed { formula, used, dimension, .. } = self.of;
+        if used.iter().any(|(k, quantity)| *k > 0 && !quantity.is_of_state()) {
+            return Vec::new();
+        }
+        let inputs = self.inputs(&[time.value; WIDTH]);
+        let input = |k: usize| if k == *dimension { time } else { Bounded::exact(inputs[k][0]) };
+        formula.graph.values(&[formula.root], input)
     }
 }

@@ -1,4 +1,5 @@
-//! Resolution of Hamiltonians that change with time by the steps of a scheme.
+//! Resolution by the steps of a scheme of what changes with time: Hamiltonians, and functions that
+//! paths integrate or follow.
 //!
 //! A step reads H(t) in its middle. What changes within steps and not from step to step is missed:
 //! a pulse between two middles, or a drive whose period divides the step. All step sizes that miss
@@ -16,12 +17,12 @@
 //! intervals, as formulas do, intervals are halved until bounds leave no room for a pulse between
 //! random times.
 
-use std::{array, cell::RefCell, collections::BTreeMap};
+use std::{array, cell::RefCell, collections::BTreeMap, sync::Arc};
 
 use real::{Bounded, Row, WIDTH, golden};
 use systems::run_time::InTime;
 
-use crate::{Problem, run_time::in_time};
+use crate::{InTimeAt, Problem};
 
 /// Number of steps that are compared together.
 const WINDOW: usize = 8;
@@ -38,26 +39,27 @@ const BESIDE: f64 = 0.3;
 
 /// Resolution of functions that change with time by steps.
 pub struct DriveResolution<'a> {
-    /// Functions at y₀ and at the point beside it.
-    functions: Vec<Box<dyn InTime + 'a>>,
+    /// What changes with time; y₀ and the point beside it.
+    in_time: Vec<Arc<dyn InTimeAt + 'a>>,
+    points: [Vec<f64>; 2],
     t_end: f64,
     known: RefCell<BTreeMap<u64, Option<f64>>>,
 }
 
 impl<'a> DriveResolution<'a> {
-    /// Resolution of the Hamiltonians of a problem.
-    pub fn new(Problem { y0, t_end, in_time: changing, .. }: &Problem<'a>) -> Self {
+    /// Resolution of what changes with time in a problem.
+    pub fn new(Problem { y0, t_end, in_time, .. }: &Problem<'a>) -> Self {
         let place = |i: usize| golden((i + 1) as f64) - 0.5;
         let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
         let beside: Vec<f64> = y0.iter().enumerate().map(moved).collect();
-        let functions =
-            changing.iter().flat_map(|&system| [y0, &beside].map(|y| in_time(system, y))).collect();
-        Self { functions, t_end: *t_end, known: RefCell::default() }
+        let points = [y0.clone(), beside];
+        Self { in_time: in_time.clone(), points, t_end: *t_end, known: RefCell::default() }
     }
 
     /// A time near which `steps` steps on [0, T], or half of them, do not resolve a function.
     pub fn unresolved(&self, steps: u64) -> Option<f64> {
-        let search = |steps| self.functions.iter().find_map(|of| search(&**of, self.t_end, steps));
+        let all = self.in_time.iter().flat_map(|of| self.points.iter().map(|y| of.at(y)));
+        let search = |steps| all.clone().find_map(|of| search(&*of, self.t_end, steps));
         let find = |n| *self.known.borrow_mut().entry(n).or_insert_with(|| search(n));
         [steps.div_ceil(2), steps].into_iter().find_map(find)
     }
@@ -164,6 +166,12 @@ mod tests {
     /// A function without bounds.
     struct Of<F>(F);
 
+    impl<F: Fn(f64) -> f64 + Send + Sync> InTimeAt for Of<F> {
+        fn at(&self, _: &[f64]) -> Box<dyn InTime + '_> {
+            Box::new(Of(&self.0))
+        }
+    }
+
     impl<F: Fn(f64) -> f64 + Send + Sync> InTime for Of<F> {
         fn values(&self, times: &Row) -> Vec<Row> {
             vec![times.map(&self.0)]
@@ -172,9 +180,10 @@ mod tests {
 
     /// Whether 100 or 200 steps on [0, 1] do not resolve it.
     fn missed<'a>(f: impl Fn(f64) -> f64 + Send + Sync + 'a) -> Option<f64> {
-        let (functions, known): (Vec<Box<dyn InTime + 'a>>, _) =
-            (vec![Box::new(Of(f))], RefCell::default());
-        DriveResolution { functions, t_end: 1.0, known }.unresolved(200)
+        let (in_time, known): (Vec<Arc<dyn InTimeAt + 'a>>, _) =
+            (vec![Arc::new(Of(f))], RefCell::default());
+        let points = [vec![], vec![]];
+        DriveResolution { in_time, points, t_end: 1.0, known }.unresolved(200)
     }
 
     #[test]

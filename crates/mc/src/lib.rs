@@ -89,6 +89,8 @@ pub use memory::{MemoryError, demand};
 pub use observable::{Observable, Observe, StateFunction, add_rows, value_at};
 pub use parallel::in_parallel;
 pub use run_time::bind_at_run_time;
-pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
+pub use setup::{
+    Coefficients, ConformalLaw, InTimeAt, Initial, Problem, Run, Setup, bind, bind_owned,
+};
 pub use simulation::{Column, NoiseOrigin, Role, Simulation, TimeSeries, quoted, write_csv};
 pub use tree::Node;

@@ -11,7 +11,7 @@ use schemes::{
 };
 use systems::run_time::{self, InTime, Lanes, Op, Program, System, Weights};
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup};
+use crate::{Coefficients, ConformalLaw, InTimeAt, Problem, Setup};
 
 impl<'a> Problem<'a> {
     /// The problem with a system that is known at run time.
@@ -37,7 +37,11 @@ impl<'a> Problem<'a> {
             friction: &[],
             laws: description.invariants.iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|t, y| coefficients(system, t, y)),
-            in_time: description.depends_on_time.then_some(system),
+            in_time: if description.depends_on_time {
+                vec![Arc::new(Hamiltonians(system))]
+            } else {
+                vec![]
+            },
             device: None,
         }
     }
@@ -191,9 +195,14 @@ fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
     out
 }
 
-/// Functions of time at a state: those that the system gives, else all fields at single times.
-pub fn in_time<'a>(system: &'a dyn System, y: &[f64]) -> Box<dyn InTime + 'a> {
-    system.in_time(y).unwrap_or_else(|| Box::new(Sampled { system, y: y.into() }))
+/// Hamiltonians that change with time.
+struct Hamiltonians<'a>(&'a dyn System);
+
+/// Those functions that the system gives, else all fields at single times.
+impl InTimeAt for Hamiltonians<'_> {
+    fn at(&self, y: &[f64]) -> Box<dyn InTime + '_> {
+        self.0.in_time(y).unwrap_or_else(|| Box::new(Sampled { system: self.0, y: y.into() }))
+    }
 }
 
 struct Sampled<'a> {

@@ -7,7 +7,7 @@ use nonlin::BlockStatus;
 use real::{Block, Row, Rows, elementary::exp, exactly};
 use schemes::{About, Device, Method, Scheme, Step, Stepper};
 use systems::{
-    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
+    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::InTime, unit_noise,
     vector_field,
 };
 
@@ -42,11 +42,17 @@ pub struct Problem<'a> {
     pub laws: Vec<ConformalLaw<'a>>,
     /// The coefficients of the equation at a time and a state.
     pub coefficients: Arc<CoefficientsAt<'a>>,
-    /// The system, if its Hamiltonians change with time. See
+    /// What changes with time: Hamiltonians, and functions that paths integrate or follow. See
     /// [`DriveResolution`](crate::DriveResolution).
-    pub in_time: Option<&'a dyn System>,
+    pub in_time: Vec<Arc<dyn InTimeAt + 'a>>,
     /// A machine that advances paths where it can, with the bits of this one.
     pub device: Option<&'a dyn Device>,
+}
+
+/// What changes with time.
+pub trait InTimeAt: Send + Sync {
+    /// Its functions of time at a state.
+    fn at(&self, y: &[f64]) -> Box<dyn InTime + '_>;
 }
 
 /// Random initial values.
@@ -162,7 +168,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 ///     friction: &[],
 ///     laws: Vec::new(),
 ///     coefficients: Arc::new(coefficients),
-///     in_time: None,
+///     in_time: Vec::new(),
 ///     device: None,
 /// };
 /// let setup = Setup { problem, scheme: Arc::new(Walk) };
@@ -231,7 +237,7 @@ impl<'a> Problem<'a> {
                     correction: ito_correction::<_, f64, D, M>(system, y).into(),
                 }
             }),
-            in_time: None,
+            in_time: Vec::new(),
             device: None,
         }
     }

@@ -44,7 +44,7 @@ use std::{fmt::Display, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Along, Column, Problem, Role, Setup},
+    mc::{Along, Column, InTimeAt, Problem, Role, Setup},
     schemes::BuiltIn,
     study::Wanted,
 };
@@ -73,6 +73,8 @@ pub struct Scene {
     pub observables: Vec<Observable>,
     /// Quantities that paths collect for the observables, such as integrals.
     collected: Vec<Along>,
+    /// What they integrate or follow, where it changes with time.
+    in_time: Vec<Arc<dyn InTimeAt>>,
     /// Wanted statistics of the dependence between observables.
     pub wanted: Wanted,
     /// Figures that are drawn.
@@ -170,6 +172,7 @@ impl Scene {
             settings,
             observables,
             collected: Vec::new(),
+            in_time: Vec::new(),
             wanted: Wanted::default(),
             drawn: FigureSettings::default(),
             energy: energy.map(|energy| Observable::new("H0", energy)),
@@ -216,7 +219,7 @@ impl Scene {
         let others = file.system.parameters.keys().map(|key| key.as_str());
         let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
         scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
-        scene.collected = vocabulary.collected;
+        (scene.collected, scene.in_time) = (vocabulary.collected, vocabulary.in_time);
         let scheme = &scene.settings.scheme;
         if scheme != AUTO {
             // Whether it is for the system is asked by commands that take it.
@@ -286,7 +289,11 @@ impl Scene {
 
     /// Adds the quantities that paths collect to a setup.
     pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
-        setup.collecting(self.model.system(), self.collected.clone())
+        let mut setup = setup.collecting(self.model.system(), self.collected.clone());
+        for followed in &self.in_time {
+            setup.problem.in_time.push(followed.clone());
+        }
+        setup
     }
 
     /// The functions whose weak orders are measured: those of `[expect]`, or the first observable.

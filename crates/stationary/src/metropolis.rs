@@ -71,7 +71,7 @@ impl<'a> Metropolis<'a> {
         if flows.rest().is_some() {
             return Err("a part of H0 or of a noise has no exact flow".into());
         }
-        if problem.in_time.is_some() || problem.damping.rate(0.0) != 0.0 {
+        if !problem.in_time.is_empty() || problem.damping.rate(0.0) != 0.0 {
             return Err("it changes with time, or all components are damped".into());
         }
         let d = problem.y0.len();

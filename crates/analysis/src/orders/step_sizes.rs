@@ -109,7 +109,7 @@ impl StepSizes {
             return Some(format!("the steps resolve the damping to {by:.1e} only"));
         }
         let t = DriveResolution::new(&setup.problem).unresolved(self.reference_steps())?;
-        Some(format!("the steps do not resolve H(t) near t = {t:.4}"))
+        Some(format!("the steps do not resolve a function of t near t = {t:.4}"))
     }
 
     /// Rejects sizes without a step, with fewer than `from` step sizes, or with too many of either.

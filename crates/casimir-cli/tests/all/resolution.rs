@@ -60,8 +60,35 @@ fn a_run_names_what_its_steps_do_not_resolve_and_a_number_that_does() {
         }
     }
     let said = says(&driven(&pulse(1.03, 1e-4), "0", "until = 2\nsteps = 200\npaths = 100"));
-    assert!(said.contains("H(t) changes within a step near t = 1.03"), "{said}");
+    assert!(said.contains("a function of t changes within a step near t = 1.03"), "{said}");
     assert!(said.contains("take 12800 steps") && said.contains("? (?)"), "{said}");
+}
+
+#[test]
+fn functions_of_time_that_are_integrated_or_followed_are_resolved_too() {
+    let still =
+        |more: &str| driven("0", "1", "until = 2\nsteps = 200").replace("[0, 0]", "[1, 0]") + more;
+    let observed = |of: &str| still("").replace("[observe]\n", &format!("[observe]\n{of}\n"));
+    let narrow = pulse(1.2345, 1e-5);
+    for (scene, is_seen) in [
+        (observed("m = 'integral(q^2*(1 + cos(800*pi*t)))'"), true),
+        (observed("m = 'average(cos(800*pi*t))'"), true),
+        (observed(&format!("m = 'integral(q*{narrow})'")), true),
+        (observed("wave = 'cos(800*pi*t)*q'\nm = 'integral(wave)'"), true),
+        (still("[events]\nhit = 'p*sin(800*pi*t + 1) > 0.9'\n"), true),
+        (observed("m = 'integral(q^2*(1 + cos(3*t)))'\nend = 'cos(800*pi*t)*q'"), false),
+        (still("[events]\nhit = 'p*sin(3*t + 1) > 0.9'\n"), false),
+    ] {
+        let unresolved = &check(&scene)["unresolved"];
+        assert_eq!(unresolved.is_array(), is_seen, "{scene}: {unresolved}");
+    }
+    // ∫cos²t(1 + cos 1024t) dt over a period, by steps that are halved until they resolve it.
+    let scene = observed("m = 'integral(q^2*(1 + cos(1024*t)))'").replace("H = ['0.2*q']\n", "");
+    let scene = scene.replace("until = 2\n", "until = '2*pi'\n").replace("['mom']", "['m']");
+    let found = json(with_scene(&scene).path(), &["expect", "scene.toml", "--json"]);
+    let found = &found["estimates"][0];
+    let number = |key: &str| found[key].as_f64().unwrap();
+    assert!((number("value") - std::f64::consts::PI).abs() <= number("half_width"), "{found}");
 }
 
 #[test]
@@ -74,9 +101,10 @@ fn orders_and_costs_on_an_alias_are_undecided() {
         let compared =
             crate::common::run(folder.path(), &["compare", "scene.toml", "--budget", "0.3"]);
         let compared = String::from_utf8(compared.stdout).unwrap();
-        let undecided = "undecided: the steps do not resolve H(t) near t = ";
+        let undecided = "undecided: the steps do not resolve a function of t near t = ";
         assert_eq!(strong.contains(undecided), !is_seen, "{strong}");
-        let none = "No scheme is recommended: the finest steps do not resolve H(t) near t = ";
+        let none =
+            "No scheme is recommended: the finest steps do not resolve a function of t near t = ";
         assert_eq!(compared.contains(none), !is_seen, "{compared}");
     }
 }

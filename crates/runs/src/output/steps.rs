@@ -78,8 +78,9 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     if let Some((t, enough)) = check.unresolved {
         let take = enough.map_or("many more".into(), |steps| steps.to_string());
         let near = digits(t);
-        let what =
-            format!("H(t) changes within a step near t = {near} by more than from step to step");
+        let what = format!(
+            "a function of t changes within a step near t = {near} by more than from step to step"
+        );
         lines.push(
             Warning::new(what)
                 .with_reason("a step that is half as long may miss the same")

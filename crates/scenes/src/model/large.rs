@@ -127,7 +127,7 @@ impl Model for Large {
                 noises: vec![],
                 correction: vec![],
             }),
-            in_time: None,
+            in_time: Vec::new(),
             device: None,
         }
     }

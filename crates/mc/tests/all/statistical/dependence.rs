@@ -82,7 +82,7 @@ fn found(seed: u64, paths: u64, gamma: f64) -> StudyResult {
             noises: Vec::new(),
             correction: vec![0.0; y.len()],
         }),
-        in_time: None,
+        in_time: Vec::new(),
         device: None,
     };
     let setup = Setup { problem, scheme: Arc::new(Ou { gamma }) };
