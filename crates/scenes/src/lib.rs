@@ -119,7 +119,11 @@ impl Scene {
         let reading = Reading { file, constants, settings };
         let model::Built { model, sizes, names, energy, quantities: mut given } =
             model::build(&reading)?;
-        let Reading { file, constants, settings } = reading;
+        let Reading { file, constants, mut settings } = reading;
+        if !sizes.is_empty() && model.large().is_none() && model.problem().initial.is_none() {
+            // Formulas of places give all paths the same.
+            settings.random = None;
+        }
         if let (true, None, Some(at)) = (one_by_one, model.large(), &file.run.snapshots) {
             let words = "snapshots are of up to 99 paths of a `spin-lattice` of at least";
             refuse!(at, "{words} {} spins", model::MANY_SITES);

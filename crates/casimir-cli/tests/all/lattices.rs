@@ -22,6 +22,28 @@ fn two_materials(run: &str) -> String {
 /// The bath of all spins has the temperature of the scene, by the generator at 32 points, whatever
 /// their moments and dampings are. Noise for other moments is refused.
 #[test]
+fn spins_that_begin_by_their_places_are_not_random() {
+    let scene = |initial: &str| {
+        format!(
+            "[system]\nname = \"spin-lattice\"\n[system.parameters]\nsizes = [8]\n[run]\n\
+             initial = [{initial}]\nuntil = 2\nsteps = 200\n[expect]\nof = [\"s3z\"]\n\
+             accuracy = 1e-6\n"
+        )
+    };
+    let written = (0..8).map(|x| format!("\"cos({x})\", \"sin({x})\", 0.5"));
+    let written = scene(&written.collect::<Vec<_>>().join(", "));
+    let [by_place, written] = [scene("\"cos(x)\", \"sin(x)\", 0.5"), written].map(|scene| {
+        let folder = with_scene(&scene);
+        let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+        let said = crate::common::run(folder.path(), &["inspect", "scene.toml"]).stdout;
+        let said = String::from_utf8(said).unwrap();
+        let bound = said.lines().find(|line| line.contains("‖y‖ ≤")).map(str::to_owned);
+        (found["estimates"][0].clone(), bound)
+    });
+    assert!(by_place.1.is_some() && by_place == written, "{by_place:?} {written:?}");
+}
+
+#[test]
 fn two_materials_are_at_the_temperature() {
     let run = "[run]\ninitial = [0, 0.6, 0.8]\nuntil = 1\nsteps = 64";
     let folder = with_scene(&two_materials(run));

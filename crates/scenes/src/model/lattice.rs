@@ -169,11 +169,18 @@ impl Start {
         self.moments[self.crystal.coordinates(site).0]
     }
 
-    /// The spins, one possible value where they are random.
-    fn possible(&self) -> Vec<f64> {
+    /// The spins without what differs from site to site.
+    fn given(&self) -> Vec<f64> {
         let given = &self.settings.initial;
         let spins = 0..3 * self.crystal.sites();
         spins.map(|k| given[k % given.len()] * self.moment(k / 3)).collect()
+    }
+
+    /// The spins of the first 32 paths.
+    fn first(&self) -> Rows {
+        let mut rows = Rows::splat(&self.given());
+        self.draw(self.settings.key, 0, &mut rows);
+        rows
     }
 
     /// The spins of 32 paths.
@@ -200,7 +207,7 @@ impl Start {
     /// all spins come from a file.
     pub fn of_path(&self, path: u64) -> Vec<f64> {
         let Settings { random, states, key, .. } = &self.settings;
-        let mut y = self.possible();
+        let mut y = self.given();
         let Some(law) = random.as_ref().filter(|_| states.is_none()) else { return y };
         let groups = self.crystal.sites().div_ceil(WIDTH) as u64;
         for (group, spins) in y.chunks_mut(3 * WIDTH).enumerate() {
@@ -272,9 +279,7 @@ pub fn build(reading: &Reading) -> Read<Built> {
             let rows = if is_large {
                 Rows::splat(&start.of_path(0)[..3 * MANY_SITES])
             } else {
-                let mut rows = Rows::splat(&start.possible());
-                start.draw(settings.key, 0, &mut rows);
-                rows
+                start.first()
             };
             let lengths = start.lengths(&rows).map_err(|[least, most]| {
                 let words = format!("spins have lengths from {least} to {most}: give `noise`");
@@ -325,7 +330,11 @@ pub fn build(reading: &Reading) -> Read<Built> {
         values.iter_mut().for_each(|value| *value /= sites as f64);
     });
     let (damping, friction) = damping(reading, names.variables(), &[])?;
-    let problem = problem(reading, Arc::new(lattice), damping, start.possible())?;
+    let first = start.first();
+    let y0 = first.iter().map(|row| row[0]).collect();
+    let problem = problem(reading, Arc::new(lattice), damping, y0)?;
+    // Formulas of places give all paths the same.
+    let is_random = first.iter().any(|row| row.iter().any(|s| *s != row[0]));
     let mean = |axis: usize| {
         let mean = move |y: &[Row], values: &mut Row| {
             *values = [0.0; WIDTH];
@@ -337,7 +346,8 @@ pub fn build(reading: &Reading) -> Read<Built> {
     };
     let means = (0..3).map(mean);
     let quantities = means.chain([Observable::new("energy", energy.clone())]).collect();
-    let model = AtRunTime { initial: start.law(), ..AtRunTime::new(problem, friction, None) };
+    let initial = start.law().filter(|_| is_random);
+    let model = AtRunTime { initial, ..AtRunTime::new(problem, friction, None) };
     let built = Built::new(model, names, Some(Further::Quantity(energy)));
     Ok(Built { sizes, quantities, ..built })
 }
