@@ -92,6 +92,9 @@ impl Data {
         for &Moment { time, value, statistic, .. } in &moments {
             demand("a time", "at least 0 and finite", time, time >= 0.0 && time.is_finite())?;
             demand("a moment", "finite", value, value.is_finite())?;
+            if statistic == Statistic::Variance {
+                demand("a variance", "at least 0", value, value >= 0.0)?;
+            }
             if let Statistic::Quantile(level) = statistic {
                 demand("a level", "between 0 and 1", level, level > 0.0 && level < 1.0)?;
             }

@@ -54,6 +54,10 @@ impl Verb for Inspect {
             )
         });
         let mut findings = findings.map_err(|error| refused(scene, error))?;
+        if scene.problem().initial.is_some() {
+            // It is that of one initial value.
+            findings.problem.iter_mut().for_each(|problem| problem.radius = None);
+        }
         // Those of schemes that run on the system.
         let runs = |id| BuiltIn::named(id).is_some_and(|scheme| model.scheme(scheme).is_ok());
         findings.orders.retain(|order| runs(order.scheme));

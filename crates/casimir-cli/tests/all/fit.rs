@@ -198,6 +198,7 @@ fn wrong_data_and_parameters_are_refused_with_their_place() {
         (KUBO, "0.01\n1.0", "0\n1.0", "line 2, column 31: an error must be positive, got 0"),
         (KUBO, "0.01\n1.0", "0.01,3\n1.0", "line: 2, byte: 38): found record with 6 fields"),
         (KUBO, "time,", "when,", "no column `t` or `time`"),
+        (KUBO, "1.0,q,mean,", "1.0,q,variance,-", "a variance must be at least 0, got -0."),
         (KUBO, "2.0,q", "-2,q", "a time must be at least 0 and finite, got -2"),
         (KUBO, "2.0,q", "1.9999,q", "the times of the data are not multiples"),
         (KUBO, "time,observable", "time,x", "no observable `x`"),

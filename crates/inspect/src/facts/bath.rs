@@ -224,7 +224,10 @@ fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<S
             words
         }));
     }
-    if words.is_empty() {
+    if words.is_empty() && heat.iter().flatten().chain(rates).all(|rate| *rate == 0.0) {
+        words
+            .push("the flow of H0 does not keep volume, so that e^(-βH0) is not stationary".into());
+    } else if words.is_empty() {
         words.push("noise and damping do not balance: no e^(-βH0) is stationary".into());
     }
     words

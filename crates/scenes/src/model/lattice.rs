@@ -79,15 +79,15 @@ pub fn bath(reading: &Reading, each: usize) -> Read<Option<(Vec<f64>, f64)>> {
         let value = reading.constants.value(text);
         value.map_err(|wrong| wrong.instead(&["t"], CONSTANT))
     };
-    let (alphas, kt) =
-        (alphas.into_iter().map(value).collect::<Read<Vec<_>>>()?, value(temperature)?);
-    if let Some(alpha) = alphas.iter().find(|alpha| kt < 0.0 || **alpha <= 0.0) {
-        refuse!(
-            temperature,
-            "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and {alpha}"
-        );
+    let kt = value(temperature)?;
+    if kt < 0.0 {
+        refuse!(temperature, "kT must be at least 0, got {kt}");
     }
-    Ok(Some((alphas, kt)))
+    let damping = |text: &At<Text>| match value(text)? {
+        alpha if alpha > 0.0 => Ok(alpha),
+        alpha => refuse!(text, "`transverse` damping must be above 0, got {alpha}"),
+    };
+    Ok(Some((alphas.into_iter().map(damping).collect::<Read<_>>()?, kt)))
 }
 
 /// One number for all of `count`, or a number for each.

@@ -216,10 +216,10 @@ fn coherent(reading: &Reading, n: usize, sites: usize) -> Read<Box<Start>> {
     let given = &reading.settings.initial;
     let (all, count) = (sites * n * n, given.len());
     if ![all, n, sites * n].contains(&count) {
+        let of_all = if sites > 1 { ", those of all sites" } else { "" };
         refuse!(
             given,
-            "the initial value has {n} amplitudes, those of all sites or all {all} components, got \
-             {count}"
+            "the initial value has {n} amplitudes{of_all} or all {all} components, got {count}"
         );
     }
     if count != all && given.chunks(n).any(|psi| psi.iter().all(|x| *x == 0.0)) {
@@ -262,8 +262,15 @@ pub fn spins(reading: &Reading) -> Read<Built> {
 pub fn quantum(reading: &Reading) -> Read<Built> {
     let hamiltonian = operators(reading, "hamiltonian")?;
     let n = (1..=hamiltonian.len()).find(|n| n * n >= hamiltonian.len()).unwrap_or(0);
+    if n * n != hamiltonian.len() || n == 0 {
+        refuse!(
+            reading.place("hamiltonian"),
+            "`hamiltonian` has the entries of a square matrix, row by row, got {}",
+            hamiltonian.len()
+        );
+    }
     let noises = operators(reading, "noises")?;
-    if n == 0 || !noises.len().is_multiple_of(n * n) {
+    if !noises.len().is_multiple_of(n * n) {
         let count = noises.len();
         refuse!(
             reading.place("noises"),
@@ -271,9 +278,11 @@ pub fn quantum(reading: &Reading) -> Read<Built> {
             n * n
         );
     }
-    let noises = noises.chunks(n * n).map(<[c64]>::to_vec).collect();
-    let quantum = Quantum::new(n, hamiltonian, noises);
-    let quantum = Arc::new(reading.checked("hamiltonian", quantum)?);
+    let columns = |rows: &[c64]| (0..n * n).map(|at| rows[at % n * n + at / n]).collect();
+    let (hamiltonian, noises): (Vec<c64>, _) =
+        (columns(&hamiltonian), noises.chunks(n * n).map(columns).collect());
+    reading.checked("hamiltonian", Quantum::new(n, hamiltonian.clone(), Vec::new()))?;
+    let quantum = Arc::new(reading.checked("noises", Quantum::new(n, hamiltonian, noises))?);
     let parts = Parts {
         start: coherent(reading, n, 1)?,
         numbers: n,
@@ -285,8 +294,7 @@ pub fn quantum(reading: &Reading) -> Read<Built> {
     built(reading, quantum, parts)
 }
 
-/// Entries of operators row by row, formulas of the parameters that are affine in `i`; column by
-/// column for Hermitian ones, whose transposes these are conjugates of.
+/// Entries of operators row by row, formulas of the parameters that are affine in `i`.
 fn operators(reading: &Reading, name: &str) -> Read<Vec<c64>> {
     let Some(at) = reading.get(name) else { return Ok(Vec::new()) };
     if !matches!(**at, Parameter::Many(_)) {
@@ -301,8 +309,7 @@ fn operators(reading: &Reading, name: &str) -> Read<Vec<c64>> {
         if !(re + im).is_finite() || (two - re - 2.0 * im).abs() > 1e-12 * (re.abs() + im.abs()) {
             refuse!(text, "`{}` is no number a + b*i", text.0);
         }
-        // Rows of a Hermitian matrix are columns of its conjugate.
-        Ok(c64::new(re, -im))
+        Ok(c64::new(re, im))
     };
     at.texts().iter().map(entry).collect()
 }
