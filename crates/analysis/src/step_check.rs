@@ -37,9 +37,9 @@ pub struct StepCheck {
     /// not resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode
     /// that is too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
-    /// Time at which a function of t changes within a step by more than from step to step, at τ or τ/2, so
-    /// that both may agree on a wrong value; and a number of steps that resolves H(t), if up to 2¹²
-    /// times the steps of the run do.
+    /// Time at which a function of t changes within a step by more than from step to step, at τ or
+    /// τ/2, so that both may agree on a wrong value; and a number of steps that resolves it, if up
+    /// to 2¹² times the steps of the run do.
     pub unresolved: Option<(f64, Option<u64>)>,
     /// Length of the blocks of time that stand for paths, if they do.
     pub blocks: Option<f64>,

@@ -83,8 +83,8 @@ impl FormulaDamping {
         Self { formula, rule, exact: exact.is_some(), at_end, closed }
     }
 
-    /// ∫γ and ∫|γ| over both halves of an interval, by the nodes, by how much γ changes, and whether
-    /// γ at the ends of both is what follows from the nodes.
+    /// ∫γ and ∫|γ| over both halves of an interval, by the nodes, by how much γ changes, and
+    /// whether γ at the ends of both is what follows from the nodes.
     fn halves(&self, a: f64, b: f64) -> ([(f64, f64); 2], f64, bool) {
         let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
         let half = 0.5 * (b - a);

@@ -118,7 +118,7 @@ pub struct Vocabulary {
     further: Vec<Further>,
     /// Quantities that paths collect.
     pub collected: Vec<Along>,
-    /// What they integrate or follow, where it is a formula of the time, too.
+    /// Formulas of the time that they integrate or follow.
     pub in_time: Vec<Arc<dyn InTimeAt>>,
     /// Row of the time, if paths collect it.
     time: Option<usize>,

@@ -227,7 +227,7 @@ fn turn(
             product(n, v, v, false, memory);
             product(n, v, memory, false, out);
         }
-        let one = |k: usize| c64::new(f64::from(u8::from(k % (n + 1) == 0)), 0.0);
+        let one = |k: usize| c64::new(f64::from(u8::from(k.is_multiple_of(n + 1))), 0.0);
         // Entries of D = A + iB with Hermitian A and B.
         let parts = |k: usize| {
             let (even, half) = match map {

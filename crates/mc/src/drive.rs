@@ -39,7 +39,7 @@ const BESIDE: f64 = 0.3;
 
 /// Resolution of functions that change with time by steps.
 pub struct DriveResolution<'a> {
-    /// What changes with time; y₀ and the point beside it.
+    /// Functions of time and the state; y₀ and the point beside it.
     in_time: Vec<Arc<dyn InTimeAt + 'a>>,
     points: [Vec<f64>; 2],
     t_end: f64,

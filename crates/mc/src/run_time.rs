@@ -198,7 +198,7 @@ fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
 /// Hamiltonians that change with time.
 struct Hamiltonians<'a>(&'a dyn System);
 
-/// Those functions that the system gives, else all fields at single times.
+/// Functions that the system gives, else all fields at single times.
 impl InTimeAt for Hamiltonians<'_> {
     fn at(&self, y: &[f64]) -> Box<dyn InTime + '_> {
         self.0.in_time(y).unwrap_or_else(|| Box::new(Sampled { system: self.0, y: y.into() }))

@@ -42,16 +42,16 @@ pub struct Problem<'a> {
     pub laws: Vec<ConformalLaw<'a>>,
     /// The coefficients of the equation at a time and a state.
     pub coefficients: Arc<CoefficientsAt<'a>>,
-    /// What changes with time: Hamiltonians, and functions that paths integrate or follow. See
+    /// Hamiltonians that change with time, and such functions that paths integrate or follow. See
     /// [`DriveResolution`](crate::DriveResolution).
     pub in_time: Vec<Arc<dyn InTimeAt + 'a>>,
     /// A machine that advances paths where it can, with the bits of this one.
     pub device: Option<&'a dyn Device>,
 }
 
-/// What changes with time.
+/// Functions of time and the state.
 pub trait InTimeAt: Send + Sync {
-    /// Its functions of time at a state.
+    /// The functions of time at a state.
     fn at(&self, y: &[f64]) -> Box<dyn InTime + '_>;
 }
 

@@ -73,7 +73,7 @@ pub struct Scene {
     pub observables: Vec<Observable>,
     /// Quantities that paths collect for the observables, such as integrals.
     collected: Vec<Along>,
-    /// What they integrate or follow, where it changes with time.
+    /// Functions that they integrate or follow, where these change with time.
     in_time: Vec<Arc<dyn InTimeAt>>,
     /// Wanted statistics of the dependence between observables.
     pub wanted: Wanted,

@@ -227,8 +227,10 @@ impl Energy<'_> {
                 let at = &self.flows.walls(&middle)[k];
                 for ((middle, near), far) in middle.iter().zip(&mut near).zip(&mut far) {
                     for p in 0..WIDTH {
-                        let end = if is_between(k, at, p) { &mut *far } else { &mut *near };
-                        end[p] = middle[p];
+                        match is_between(k, at, p) {
+                            true => far[p] = middle[p],
+                            false => near[p] = middle[p],
+                        }
                     }
                 }
                 if halvings == HALVINGS / 2 {

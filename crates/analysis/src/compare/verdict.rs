@@ -83,7 +83,8 @@ pub enum Choice {
     /// Wrong reference: its single steps miss the coefficients of the equation by this part, so
     /// that distances to it are not errors.
     WrongReference(f64),
-    /// The finest steps do not resolve a function of t near this time: errors may be larger than any measured.
+    /// The finest steps do not resolve a function of t near this time: errors may be larger than
+    /// any measured.
     NotResolved(f64),
 }
 

@@ -58,7 +58,7 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "k*q^2/2", "ln(q - 2)", "line 6, column 15", "NaN for -1"),
     (OSCILLATOR, "k*q^2/2", "sqrt(q - 1)", "line 6, column 6", "derivative of H0 by q"),
     (OSCILLATOR, "s*q", "s*q**2", "line 7, column 11", "write ^"),
-    (OSCILLATOR, "\"0.1\"", "\"0.1*q\"", "line 9, column 13", "a rate depends on t and parameters alone"),
+    (OSCILLATOR, "\"0.1\"", "\"0.1*q\"", "line 9, column 13", "depends on t and parameters alone"),
     (OSCILLATOR, "\"0.1\"", "\"1/t\"", "line 9, column 9", "at t = 0"),
     (OSCILLATOR, "energy = \"H0\"", "e = \"H1\"", "line 17, column 6", "unknown name `H1`"),
     (OSCILLATOR, "energy = \"H0\"", "q = \"H0\"", "line 17, column 1", "a column of the tables"),

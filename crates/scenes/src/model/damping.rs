@@ -99,8 +99,8 @@ pub fn of_rate(
     let formula = rate.formula(&names).map_err(|wrong| {
         wrong.instead(
             &components,
-            "a rate depends on t and parameters alone: write friction that depends on the state \
-             into `drift`",
+            "a rate or temperature depends on t and parameters alone; friction by the state is \
+             a part of `drift`",
         )
     })?;
     for t in [0.0, settings.until] {

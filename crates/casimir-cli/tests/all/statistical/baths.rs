@@ -278,7 +278,7 @@ fn what_a_bath_cannot_be_is_refused_at_its_place() {
     let bath = "[bath]\ntemperature = 0.7\nthrough = [\"q*p\"]";
     let right = scene(PLANE, bath, "[1, 0]", "\"q^2\"", 0.1);
     for (from, to, words) in [
-        ("0.7\n", "\"q\"\n", ["line 6, column 16", "unknown name `q`"]),
+        ("0.7\n", "\"q\"\n", ["line 6, column 16", "depends on t and parameters alone"]),
         ("0.7\n", "-1\n", ["line 6, column 15", "must be positive, got -1"]),
         ("0.7\n", "0\n", ["line 6, column 15", "must be positive, got 0"]),
         ("through = [\"q*p\"]", "", ["line 6, column 15", "`friction` on momenta, `through`"]),
