@@ -228,7 +228,10 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> V
             let mut times = points.iter().filter(|point| concerns(point)).map(|point| point.time);
             if let Some(first) = times.next() {
                 let number = 1 + times.count();
-                let when = format!("at {number} times, first t = {first:.6}");
+                let when = match number {
+                    1 => format!("at t = {first:.6}"),
+                    _ => format!("at {number} times, first t = {first:.6}"),
+                };
                 warnings.push(Warning::new(format!("{what} {when}")).about(observable));
             }
         }

@@ -478,6 +478,6 @@ fn what_was_not_seen_is_not_excluded() {
             (format!("\"{note}\""), serde_json::from_str(&words).unwrap())
         );
     }
-    let warning = "p > 2: too few values carry the mean at 1 times, first t = 1.000000";
+    let warning = "p > 2: too few values carry the mean at t = 1.000000";
     assert!(one.warnings.iter().any(|text| text.to_string() == warning), "{:?}", one.warnings);
 }

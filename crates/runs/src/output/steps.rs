@@ -50,6 +50,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let more = |times: f64| digits((steps as f64 * times).ceil());
     let half = match check.blocks {
         Some(time) => format!("{} blocks of t = {} with half the step", check.paths, rough(time)),
+        None if check.paths == 1 => "one path with half the step".into(),
         None => format!("{} paths with half the step", check.paths),
     };
     let all = check.failed + check.paths;
