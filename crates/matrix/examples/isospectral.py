@@ -1,10 +1,10 @@
-"""The isospectral midpoint of QuFlow (Cifani, Viviani and Modin 2023) on the problems of `sphere_cost`.
+"""The isospectral midpoint of QuFlow (Cifani, Viviani and Modin 2023) on problems of `sphere_cost`.
 
-`isospectral.py FOLDER T N STEPS...` reads the matrices that `sphere_cost FOLDER T N` wrote and prints
-a line like those of its table for each number of steps: stopped where QuFlow stops by default, at a
-change of sqrt(eps) |W| dt/hbar or after ten iterations, and with iterations to round-off. QuFlow is
-https://github.com/klasmodin/quflow (PYTHONPATH); OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 give one
-thread.
+`isospectral.py FOLDER T N STEPS...` reads the matrices that `sphere_cost FOLDER T N` wrote, and
+prints a line like those of its table for each number of steps: stopped where QuFlow stops by
+default, at a change of sqrt(eps) |W| dt/hbar or after ten iterations, and with iterations to
+round-off. QuFlow is https://github.com/klasmodin/quflow, by PYTHONPATH. OPENBLAS_NUM_THREADS=1 and
+NUMBA_NUM_THREADS=1 give one thread.
 """
 
 import sys

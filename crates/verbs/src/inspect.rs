@@ -55,7 +55,7 @@ impl Verb for Inspect {
         });
         let mut findings = findings.map_err(|error| refused(scene, error))?;
         if scene.problem().initial.is_some() {
-            // It is that of one initial value.
+            // The bound is for paths from one initial value.
             findings.problem.iter_mut().for_each(|problem| problem.radius = None);
         }
         // Those of schemes that run on the system.

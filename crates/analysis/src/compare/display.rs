@@ -166,8 +166,8 @@ impl fmt::Display for Comparison {
             ),
             (Choice::NotResolved(t), _) => write!(
                 f,
-                "No scheme is recommended: the finest steps do not resolve a function of t near t = {t:.4}, \
-                 and all may miss the same."
+                "No scheme is recommended: the finest steps do not resolve a function of t near t = \
+                 {t:.4}, and all may miss the same."
             ),
             _ => write!(f, "No scheme reaches {goal}{within}{}", self.out_of_reach()),
         }

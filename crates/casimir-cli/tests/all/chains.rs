@@ -40,8 +40,8 @@ accuracy = 0.005
 
 #[test]
 fn no_move_crosses_a_wall_of_infinite_energy() {
-    // Means over q > 0 of e^{−q²/2} times e^{−0.05/q}, e^{−0.01/q} and q, by quadrature and in closed
-    // form; over all q where H₀ is −∞ at 0, or has a limit.
+    // Means over q > 0 of e^{−q²/2} times e^{−0.05/q}, e^{−0.01/q} and q, by quadrature and in
+    // closed form; over all q where H₀ is −∞ at 0, or has a limit.
     for (more, exact) in [
         ("0.05/abs(q)", 0.874_2),
         ("0.01/abs(q)", 0.821_5),

@@ -19,8 +19,6 @@ fn two_materials(run: &str) -> String {
     scene(parameters, &format!("{HOT}\n{run}"))
 }
 
-/// The bath of all spins has the temperature of the scene, by the generator at 32 points, whatever
-/// their moments and dampings are. Noise for other moments is refused.
 #[test]
 fn spins_that_begin_by_their_places_are_not_random() {
     let scene = |initial: &str| {
@@ -41,8 +39,15 @@ fn spins_that_begin_by_their_places_are_not_random() {
         (found["estimates"][0].clone(), bound)
     });
     assert!(by_place.1.is_some() && by_place == written, "{by_place:?} {written:?}");
+    // Of random values no bound is known.
+    let folder = with_scene(&scene("\"cos(x + z1)\", \"sin(x + z1)\", 0.5"));
+    let said = crate::common::run(folder.path(), &["inspect", "scene.toml"]).stdout;
+    let said = String::from_utf8(said).unwrap();
+    assert!(said.contains("no bound was found"), "{said}");
 }
 
+/// The bath of all spins has the temperature of the scene, by the generator at 32 points, whatever
+/// their moments and dampings are. Noise for other moments is refused.
 #[test]
 fn two_materials_are_at_the_temperature() {
     let run = "[run]\ninitial = [0, 0.6, 0.8]\nuntil = 1\nsteps = 64";

@@ -132,6 +132,7 @@ fn mistakes_are_named() {
             "transverse = { s = -1 }",
             "damping must be above 0, got -1",
         ),
+        (SPIN, "temperature = ", "temperature = -", "kT must be at least 0, got -"),
         (SPIN, "initial = [1, 0, 0]", "initial = [0, 0, 0]", "must not all be zero"),
         (QUBIT, "\"-i\", \"i\"", "\"i\", \"2*i\"", "entry (2, 1) is 0+2i, that of (1, 2) 0+1i"),
         (QUBIT, "\"-i\", \"i\"", "\"-i\", \"i\", 0", "a square matrix, row by row, got 5"),
