@@ -69,7 +69,7 @@ fn functions_of_time_that_are_integrated_or_followed_are_resolved_too() {
     let still =
         |more: &str| driven("0", "1", "until = 2\nsteps = 200").replace("[0, 0]", "[1, 0]") + more;
     let observed = |of: &str| still("").replace("[observe]\n", &format!("[observe]\n{of}\n"));
-    let narrow = pulse(1.2345, 1e-5);
+    let narrow = pulse(1.2345, 1e-7);
     for (scene, is_seen) in [
         (observed("m = 'integral(q^2*(1 + cos(800*pi*t)))'"), true),
         (observed("m = 'average(cos(800*pi*t))'"), true),
